@@ -18,6 +18,7 @@ mod drawing;
 mod examples;
 mod exit;
 mod explain;
+mod export;
 mod groups;
 mod hint;
 mod import;
@@ -104,6 +105,9 @@ enum Command {
     /// `stack.toml`. Prints the same as `run` (docs/design.md).
     #[command(after_help = EXIT_CODES)]
     Design(run::DesignArgs),
+    /// Export a scene for other simulators.
+    #[command(subcommand, after_help = EXIT_CODES)]
+    Export(export::Export),
     /// List the built-in scenes.
     List,
     /// Print a scene with all values, units and descriptions, as TOML.
@@ -208,6 +212,7 @@ pub fn main() -> ExitCode {
         Some(Command::Optimise(args)) => optimise::run(&args, color),
         Some(Command::Merge(args)) => sweep::merge(&args, color),
         Some(Command::Design(args)) => run::design(args, color),
+        Some(Command::Export(export)) => export::run(&export),
         Some(Command::List) => print(&list()),
         Some(Command::Show { scene }) => scene.load().and_then(|loaded| print(&resolved_toml(&loaded.scene))),
         Some(Command::Check { scene }) => scene.load().and_then(|loaded| print(&format!("{}: valid\n", loaded.origin))),

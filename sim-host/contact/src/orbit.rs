@@ -15,33 +15,14 @@ use crate::SolveError;
 use crate::auto::{Numerics, Runs, ToleranceOf, by_method, stable_steps};
 use crate::method::{Method, rates::level};
 use crate::problem::{Law, Motion, Problem};
+use crate::shooting::{self, Lost, Map as _, difference, newton_step};
 use crate::state::State;
-
-/// State in units of its scale.
-type Vector = [f64; 3];
-type Matrix = [Vector; 3];
 
 /// Largest error of the record of one period, from which the steps of the map follow.
 const RECORD_TOLERANCE: f64 = 1e-9;
-/// Displacement for the derivatives, in units of the scale.
-const DIFFERENCE: f64 = 1e-6;
-/// Residual at which the search ends, in units of the scale.
-const SMALL_RESIDUAL: f64 = 1e-14;
 /// Number of steps for the stability of a Runge-Kutta method above which LuGre's bristles are too
 /// stiff for the search.
 const MAX_STABLE_STEPS: f64 = 5000.0;
-/// Largest residual of a steady state, in units of the scale.
-const MAX_RESIDUAL: f64 = 1e-9;
-/// Maximum number of Newton's steps.
-const MAX_STEPS: usize = 60;
-/// Smallest part of a step that is tried before the motion itself is followed for some periods.
-const MIN_PART: f64 = 1.0 / 64.0;
-/// Number of periods that are followed then.
-const FOLLOWED_PERIODS: usize = 20;
-/// Smallest pivot; below it, the steady state is not unique.
-const MIN_PIVOT: f64 = 1e-10;
-/// Distance of a multiplier from one below which a disturbance neither decays nor grows.
-const MIN_DECAY: f64 = 1e-7;
 /// Largest amplification of the force in the bristles by its computation from the whole friction.
 const MAX_BRISTLE_GAIN: f64 = 1e3;
 
@@ -82,6 +63,16 @@ pub enum Unsteady {
     TooStiff,
 }
 
+impl From<Lost> for Unsteady {
+    fn from(lost: Lost) -> Self {
+        match lost {
+            Lost::NotFound => Unsteady::NotFound,
+            Lost::Unstable(multiplier) => Unsteady::Unstable(multiplier),
+            Lost::NotUnique => Unsteady::NotUnique,
+        }
+    }
+}
+
 impl Orbit {
     /// Number of periods after which a small disturbance is a thousandth.
     pub fn settling_periods(&self) -> f64 {
@@ -106,22 +97,15 @@ impl Orbit {
             return Err(Unsteady::TooStiff);
         }
         let map = Map::new(problem, runs).map_err(|_| Unsteady::NotFound)?;
-        let (at, mean, residual) = map.search().ok_or(Unsteady::NotFound)?;
-        let derivative = map.derivative(&at).ok_or(Unsteady::NotFound)?;
-        let multiplier = spectral_radius(derivative);
-        if multiplier > 1.0 + MIN_DECAY {
-            return Err(Unsteady::Unstable(multiplier));
-        }
-        if multiplier > 1.0 - MIN_DECAY {
-            return Err(Unsteady::NotUnique);
-        }
+        let fixed = shooting::find(&map, map.start())?;
         // The same by half the step shows the error of the map, which many periods amplify.
         let finer = Map { setting: (2 * map.setting.0, map.setting.1), ..map.clone() };
-        let (after, _) = finer.advance(&at).ok_or(Unsteady::NotFound)?;
-        let shift = newton_step(&derivative, &difference(&after, &at)).ok_or(Unsteady::NotUnique)?;
-        let at_finer = std::array::from_fn(|i| at[i] + shift[i]);
+        let (after, _) = finer.advance(&fixed.at).ok_or(Unsteady::NotFound)?;
+        let shift = newton_step(&fixed.derivative, &difference(&after, &fixed.at)).ok_or(Unsteady::NotUnique)?;
+        let at_finer: Vec<f64> = fixed.at.iter().zip(shift).map(|(at, shift)| at + shift).collect();
         let (_, mean_finer) = finer.advance(&at_finer).ok_or(Unsteady::NotFound)?;
-        let error = (mean_finer - mean).abs();
+        let error = (mean_finer - fixed.mean).abs();
+        let (residual, multiplier) = (fixed.residual, fixed.multiplier);
         Ok(Orbit { start: map.state(&at_finer), residual, multiplier, error, method: finer.method, setting: finer.setting })
     }
 }
@@ -134,7 +118,7 @@ struct Map<'a> {
     method: Method,
     setting: (u32, Option<u32>),
     /// Displacement, m, velocity, m/s, and bristle force over Fc that count as one.
-    scale: Vector,
+    scale: [f64; 3],
     /// `true` for each part of the state that is free: a given motion has no own state, Coulomb's
     /// law no bristles.
     free: [bool; 3],
@@ -168,81 +152,33 @@ impl<'a> Map<'a> {
     }
 
     /// Returns a state; its friction is the force in the bristles.
-    fn state(&self, at: &Vector) -> State {
+    fn state(&self, at: &[f64]) -> State {
         let [x_m, v_m_per_s, f] = std::array::from_fn(|i| at[i] * self.scale[i]);
         State { time_s: 0.0, x_m, v_m_per_s, force_n: f * self.period.coulomb_n }
     }
 
-    /// Returns the state after one period, and the mean friction ratio; `None` if it cannot be
-    /// computed.
-    fn advance(&self, at: &Vector) -> Option<(Vector, f64)> {
+    /// Returns the start of the problem, the first guess.
+    fn start(&self) -> Vec<f64> {
+        let start = self.period.start;
+        let start = [start.x_m, start.v_m_per_s, start.force_n / self.period.coulomb_n];
+        (0..3).map(|i| if self.free[i] { start[i] / self.scale[i] } else { 0.0 }).collect()
+    }
+}
+
+impl shooting::Map for Map<'_> {
+    fn is_free(&self, part: usize) -> bool {
+        self.free[part]
+    }
+
+    fn advance(&self, at: &[f64]) -> Option<(Vec<f64>, f64)> {
         let problem = Problem { start: self.state(at), ..self.period.clone() };
         let tally = self.runs.run(&problem, self.method, self.setting, false).ok()?;
         let last = tally.last;
         let after = [last.x_m, last.v_m_per_s, bristles_n(&problem, &last)? / problem.coulomb_n];
-        let after = std::array::from_fn(|i| if self.free[i] { after[i] / self.scale[i] } else { at[i] });
+        let after: Vec<f64> = (0..3).map(|i| if self.free[i] { after[i] / self.scale[i] } else { at[i] }).collect();
         let mean = tally.totals.friction_n_s / (tally.coulomb_n * tally.time_s);
         after.iter().all(|part| part.is_finite()).then_some((after, mean))
     }
-
-    /// Returns the derivative of the map, by differences; column j by part j of the state.
-    fn derivative(&self, at: &Vector) -> Option<Matrix> {
-        let mut columns = [[0.0; 3]; 3];
-        for (j, column) in columns.iter_mut().enumerate().filter(|(j, _)| self.free[*j]) {
-            let moved = |by: f64| std::array::from_fn(|i| at[i] + if i == j { by } else { 0.0 });
-            let (after, before) = (self.advance(&moved(DIFFERENCE))?.0, self.advance(&moved(-DIFFERENCE))?.0);
-            *column = difference(&after, &before).map(|part| part / (2.0 * DIFFERENCE));
-        }
-        Some(std::array::from_fn(|i| std::array::from_fn(|j| if self.free[i] { columns[j][i] } else { 0.0 })))
-    }
-
-    /// Returns the state that repeats, its mean friction ratio, and its residual.
-    fn search(&self) -> Option<(Vector, f64, f64)> {
-        let start = self.period.start;
-        let start = [start.x_m, start.v_m_per_s, start.force_n / self.period.coulomb_n];
-        let mut now = self.measure(std::array::from_fn(|i| if self.free[i] { start[i] / self.scale[i] } else { 0.0 }))?;
-        for _ in 0..MAX_STEPS {
-            if size(&now.off) < SMALL_RESIDUAL {
-                break;
-            }
-            let step = self.derivative(&now.at).and_then(|derivative| newton_step(&derivative, &now.off));
-            match step.and_then(|step| self.part(&now, &step)) {
-                Some(next) => now = next,
-                // At round-off no part of a step is better.
-                None if size(&now.off) < MAX_RESIDUAL => break,
-                None => {
-                    for _ in 0..FOLLOWED_PERIODS {
-                        now.at = self.advance(&now.at)?.0;
-                    }
-                    now = self.measure(now.at)?;
-                }
-            }
-        }
-        let residual = size(&now.off);
-        (residual < MAX_RESIDUAL).then_some((now.at, now.mean, residual))
-    }
-
-    /// Returns a guess with its residual.
-    fn measure(&self, at: Vector) -> Option<Guess> {
-        let (after, mean) = self.advance(&at)?;
-        Some(Guess { at, off: difference(&after, &at), mean })
-    }
-
-    /// Returns the guess after the largest part of a step that reduces the residual.
-    fn part(&self, now: &Guess, step: &Vector) -> Option<Guess> {
-        let parts = std::iter::successors(Some(1.0), |part| Some(0.5 * part)).take_while(|part| *part >= MIN_PART);
-        parts.into_iter().find_map(|part| {
-            let next = self.measure(std::array::from_fn(|i| now.at[i] + part * step[i]))?;
-            (size(&next.off) < (1.0 - 0.1 * part) * size(&now.off)).then_some(next)
-        })
-    }
-}
-
-/// State at the beginning of a period, its change after one, and the mean friction ratio.
-struct Guess {
-    at: Vector,
-    off: Vector,
-    mean: f64,
 }
 
 /// Returns the force in the bristles of a state, N: for LuGre's law,
@@ -254,51 +190,6 @@ fn bristles_n(problem: &Problem, state: &State) -> Option<f64> {
     let level_n = level(static_ratio, stribeck_m_per_s, slip) * problem.coulomb_n;
     let share = 1.0 - sigma1 * slip.abs() / level_n;
     (share.abs() > 1.0 / MAX_BRISTLE_GAIN).then(|| (state.force_n - (sigma1 + sigma2) * slip) / share)
-}
-
-fn difference(one: &Vector, other: &Vector) -> Vector {
-    std::array::from_fn(|i| one[i] - other[i])
-}
-
-fn size(vector: &Vector) -> f64 {
-    vector.iter().fold(0.0, |size, part| part.abs().max(size))
-}
-
-/// Solves `(I - P') ds = off` by elimination with pivots; `None` if it is singular.
-fn newton_step(derivative: &Matrix, off: &Vector) -> Option<Vector> {
-    let mut rows: [[f64; 4]; 3] = std::array::from_fn(|i| {
-        std::array::from_fn(|j| if j == 3 { off[i] } else { f64::from(u8::from(i == j)) - derivative[i][j] })
-    });
-    for i in 0..3 {
-        let pivot = (i..3).max_by(|a, b| rows[*a][i].abs().total_cmp(&rows[*b][i].abs()))?;
-        rows.swap(i, pivot);
-        if rows[i][i].abs() < MIN_PIVOT {
-            return None;
-        }
-        for other in (0..3).filter(|other| *other != i) {
-            let factor = rows[other][i] / rows[i][i];
-            rows[other] = std::array::from_fn(|j| rows[other][j] - factor * rows[i][j]);
-        }
-    }
-    Some(std::array::from_fn(|i| rows[i][3] / rows[i][i]))
-}
-
-/// Returns the largest modulus of an eigenvalue: the growth of the powers of a matrix.
-fn spectral_radius(matrix: Matrix) -> f64 {
-    /// Number of squarings: the power 2^40 leaves a relative error of about 1e-12.
-    const SQUARINGS: i32 = 40;
-    let (mut power, mut ln) = (matrix, 0.0);
-    for squaring in 0..=SQUARINGS {
-        let size = power.iter().map(size).fold(0.0, f64::max);
-        if size == 0.0 {
-            return 0.0;
-        }
-        // ln |M^(2^k)| / 2^k, summed so that no power overflows.
-        ln += size.ln() / 2f64.powi(squaring);
-        let unit = power.map(|row| row.map(|part| part / size));
-        power = std::array::from_fn(|i| std::array::from_fn(|j| (0..3).map(|k| unit[i][k] * unit[k][j]).sum()));
-    }
-    ln.exp()
 }
 
 #[cfg(test)]

@@ -36,11 +36,11 @@ pub mod coulomb;
 mod marks;
 mod panel;
 mod passage;
-mod radau;
 mod run;
 
 use super::auto::{Clock, Numerics, Solution, ToleranceOf, of_whole_periods};
 use super::problem::{Law, Motion, Problem};
+use super::radau::STAGES;
 use super::tally::Ratios;
 use super::waveform::Shape;
 use super::{Method, SolveError};
@@ -202,7 +202,7 @@ fn by_collocation(
         method: Method::Collocation,
         why: format!(
             "bristles in two directions: a period of the vibration is solved once, in {panels} panels of {} nodes",
-            radau::STAGES
+            STAGES
         ),
         steps_per_period: None,
         order: None,

@@ -76,7 +76,7 @@ use crate::motor::Motor;
 use crate::motor::model::Model;
 use crate::shift::Shift;
 use crate::truth::{MotorTruth, Sample, Truth};
-use scene::{Driven, Transducer};
+use scene::{DisturbedKey, Driven, Transducer};
 
 /// Returns the circuit of a scene's transducer at the beginning of its run. For a stator, this is
 /// the circuit at its first lane while all lanes play.
@@ -127,6 +127,14 @@ impl Plant {
                 }
             }
             Transducer::Stator(stator, rotor) => Plant::Motor(Box::new(Motor::new(scene, stator, rotor))),
+        }
+    }
+
+    /// Changes a value from the next block on, like a disturbance of the scene. Only a plant around
+    /// a stack has such values.
+    pub fn set(&mut self, key: DisturbedKey, value: f64) {
+        if let Plant::Stack(stack) = self {
+            stack.set(key, value);
         }
     }
 

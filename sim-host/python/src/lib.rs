@@ -12,6 +12,7 @@
 mod errors;
 mod imported;
 mod interruptible;
+mod law;
 mod link;
 mod result;
 mod scene;

@@ -5,6 +5,7 @@ use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, LazyLock};
 use std::time::{Duration, Instant};
 
+use contact::custom::FrictionLaw;
 use pyo3::prelude::*;
 use scene::load::{Loaded, load, load_text};
 use scene::resolved::{resolved_json, resolved_toml};
@@ -13,6 +14,7 @@ use sim::study::{self, Options};
 
 use crate::errors::{SceneError, run_error, scene_error};
 use crate::interruptible;
+use crate::law::Law;
 use crate::result::Result;
 
 /// A valid scene. It is immutable: `changed` returns another one.
@@ -100,15 +102,18 @@ impl Scene {
     }
 
     /// Runs the scene, its grid and its comparison. With `output` it writes the folder as the
-    /// command line does.
-    fn run(&self, py: Python<'_>, output: Option<PathBuf>) -> PyResult<Result> {
+    /// command line does. `law` replaces the friction law of the contact: a function, and the
+    /// values of its states at the start.
+    fn run(&self, py: Python<'_>, output: Option<PathBuf>, law: Option<(Py<PyAny>, Vec<f64>)>) -> PyResult<Result> {
+        let law = law.map(|(function, start)| Law::new(&self.loaded.scene, function, start)).transpose()?;
         let stop = AtomicBool::new(false);
-        interruptible::run(py, &stop, || {
+        let ran = interruptible::run(py, &stop, || {
             let folder = output
                 .map(|dir| Folder::open(&dir, Owner::new("run", self.loaded.files())))
                 .transpose()
                 .map_err(|error| run_error(&error))?;
-            let options = Options { stop: Some(&stop), clock: Some(clock), ..Options::default() };
+            let law = law.as_ref().map(|law| law as &(dyn FrictionLaw + Sync));
+            let options = Options { stop: Some(&stop), clock: Some(clock), law, ..Options::default() };
             let began = clock();
             let study = study::run(&self.loaded, options).map_err(|error| run_error(&error))?;
             let took = clock() - began;
@@ -118,7 +123,9 @@ impl Scene {
             }
             let passed = study.passes();
             Ok(Result::new(Arc::clone(&self.loaded), study.detached(), passed, took))
-        })?
+        })?;
+        // An exception in the law is the reason that there is no result.
+        law.and_then(Law::into_raised).map_or(ran, Err)
     }
 }
 

@@ -4,19 +4,14 @@
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use firmware::seam::block::{
-    Amplitude, BeltSense, Codes, DriveBlock, Gate, LATENCY_BLOCKS, Orders, Request, SenseBlock, SlowSense, Target, dropped_from,
+    Amplitude, BeltSense, Codes, DriveBlock, Gate, LATENCY_BLOCKS, SenseBlock, SlowSense, Target, dropped_from,
 };
-use firmware::seam::config::FrontEnd;
 use firmware::seam::telemetry::Telemetry as Report;
-use firmware::seam::units::Hertz;
 use hal_mock::analog::Analog;
-use hal_mock::fault_injector::FaultInjector;
-use hal_mock::tracer::DriveHash;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyComplex};
-use sim::processor::{Here, Processor};
-use sim::run::{Script, breakable_plant};
+use sim::stepping::{OrderError, Playing, Stepping};
 
 use crate::errors::{RunError, SceneError, run_error};
 use crate::scene::Scene;
@@ -45,44 +40,21 @@ fn lanes<'py>(py: Python<'py>, drive: &DriveBlock) -> PyResult<Bound<'py, PyByte
     bytes(py, &drive.lanes.iter().flatten().copied().collect::<Vec<u16>>())
 }
 
-/// State of a controller.
-struct Stepping {
-    here: Here,
-    script: Script,
-    /// While `true`, the friction steps of the scene are ordered; the first order of the caller
-    /// ends this.
-    scripted: bool,
-    sense: SenseBlock,
-    drive: DriveBlock,
-    report: Report,
-    block: u64,
-}
-
 /// The controller of a scene, in the caller's loop.
 #[pyclass(frozen, module = "sonoglide._native")]
 pub struct Controller {
-    stepping: Mutex<Stepping>,
-    front_end: FrontEnd,
-    sample_hz: f64,
-    samples: usize,
+    stepping: Mutex<(Stepping, SenseBlock, DriveBlock)>,
     silence: DriveBlock,
-    detune: Hertz,
-    switches_friction: bool,
 }
 
 impl Controller {
-    fn stepping(&self) -> MutexGuard<'_, Stepping> {
+    fn stepping(&self) -> MutexGuard<'_, (Stepping, SenseBlock, DriveBlock)> {
         self.stepping.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Gives an order of the caller, from the next block on. The friction steps of the scene end.
-    fn change(&self, order: impl FnOnce(&mut Orders)) {
-        let mut stepping = self.stepping();
-        let orders = &mut stepping.script.orders;
-        orders.sequence += 1;
-        orders.clear_fault = false;
-        order(orders);
-        stepping.scripted = false;
+    /// Gives an order.
+    fn order(&self, order: impl FnOnce(&mut Stepping) -> Result<(), OrderError>) -> PyResult<()> {
+        order(&mut self.stepping().0).map_err(|error| PyValueError::new_err(error.to_string()))
     }
 }
 
@@ -90,27 +62,9 @@ impl Controller {
 impl Controller {
     #[new]
     fn new(scene: &Scene) -> PyResult<Self> {
-        let driven = driven(scene)?;
-        let config = scene::settings::config(&driven);
-        let here = Here::new(&config).map_err(|error| run_error(&sim::run::RunError::from(error)))?;
-        let silence = here.silence();
-        Ok(Controller {
-            stepping: Mutex::new(Stepping {
-                here,
-                script: Script::new(&driven),
-                scripted: true,
-                sense: SenseBlock::default(),
-                drive: silence.clone(),
-                report: Report::default(),
-                block: 0,
-            }),
-            front_end: config.front_end,
-            sample_hz: f64::from(config.sample_hz),
-            samples: config.block_samples.into(),
-            silence,
-            detune: Hertz(driven.controller.drive.detune_hz as f32),
-            switches_friction: driven.controller.friction.is_some(),
-        })
+        let stepping = Stepping::new(&driven(scene)?).map_err(|error| run_error(&error))?;
+        let silence = stepping.silence();
+        Ok(Controller { stepping: Mutex::new((stepping, SenseBlock::default(), silence.clone())), silence })
     }
 
     /// Processes the codes of one block. Returns the codes to play, lane after lane, `true` if the
@@ -122,41 +76,24 @@ impl Controller {
         i: &[u8],
         slow: Slow,
     ) -> PyResult<(Bound<'py, PyBytes>, bool, u8, Telemetry)> {
-        let mut stepping = self.stepping();
-        let Stepping { here, script, scripted, sense, drive, report, block } = &mut *stepping;
-        (sense.v, sense.i) = (codes(v, self.samples)?, codes(i, self.samples)?);
+        let (stepping, sense, drive) = &mut *self.stepping();
+        (sense.v, sense.i) = (codes(v, stepping.samples)?, codes(i, stepping.samples)?);
         let (counts, force, temperature) = slow;
         let belt = counts.map(|counts| BeltSense { counts, broken: false });
         sense.slow = SlowSense { belt, force, temperature, ..SlowSense::default() };
-        if *scripted {
-            script.order_friction(*block as f64 * self.samples as f64 / self.sample_hz);
-        }
-        here.process_into(&script.orders, sense, drive, report).map_err(|lost| RunError::new_err(lost.to_string()))?;
-        if *scripted {
-            script.follow(report.mode);
-        }
-        *block += 1;
-        Ok((lanes(py, drive)?, drive.drops_queue, drive.listen, Telemetry(*report)))
+        stepping.process(sense, drive).map_err(|lost| RunError::new_err(lost.to_string()))?;
+        Ok((lanes(py, drive)?, drive.drops_queue, drive.listen, Telemetry(stepping.report)))
     }
 
     /// Orders a run with the drive always on, at a voltage or a motional current, or as the scene.
     fn drive(&self, volts: Option<f32>, motional_a: Option<f32>, detune_hz: Option<f32>) -> PyResult<()> {
         let amplitude = match (volts, motional_a) {
             (Some(_), Some(_)) => return Err(PyValueError::new_err("give a voltage or a motional current, not both")),
-            (Some(volts), None) => Some(Amplitude::Volts(positive(volts)?)),
-            (None, Some(amperes)) => Some(Amplitude::MotionalCurrent(positive(amperes)?)),
+            (Some(volts), None) => Some(Amplitude::Volts(volts)),
+            (None, Some(amperes)) => Some(Amplitude::MotionalCurrent(amperes)),
             (None, None) => None,
         };
-        if detune_hz.is_some_and(|hz| !hz.is_finite()) {
-            return Err(PyValueError::new_err("the detuning is not a finite number"));
-        }
-        let scene_hz = self.detune;
-        self.change(|orders| {
-            (orders.request, orders.gate, orders.amplitude) = (Request::Run, Gate::On, amplitude);
-            orders.detune = detune_hz.map_or(scene_hz, Hertz);
-            orders.attempt += 1;
-        });
-        Ok(())
+        self.order(|stepping| stepping.drive(amplitude, detune_hz))
     }
 
     /// Orders the gate of the drive: `on`, `off`, `brake`, or the bursts of the scene, `scheduled`.
@@ -164,7 +101,7 @@ impl Controller {
         let all = [("scheduled", Gate::Scheduled), ("on", Gate::On), ("off", Gate::Off), ("brake", Gate::Brake)];
         let gate = all.iter().find(|(known, _)| *known == name).map(|(_, gate)| *gate);
         let gate = gate.ok_or_else(|| PyValueError::new_err(format!("there is no gate `{name}`")))?;
-        self.change(|orders| orders.gate = gate);
+        self.stepping().0.gate(gate);
         Ok(())
     }
 
@@ -175,19 +112,12 @@ impl Controller {
             (None, Some(newtons)) => Target::Force(newtons),
             _ => return Err(PyValueError::new_err("give a friction ratio or a friction force")),
         };
-        if !self.switches_friction {
-            return Err(PyValueError::new_err("the scene has no [controller.friction]"));
-        }
-        if !target.is_plausible() {
-            return Err(PyValueError::new_err("a friction ratio is from 0 to 1, and a friction force is not negative"));
-        }
-        self.change(|orders| (orders.friction, orders.amplitude) = (Some(target), None));
-        Ok(())
+        self.order(|stepping| stepping.friction(target))
     }
 
     /// Orders silence, and clears a fault if wanted.
     fn stop(&self, clear_fault: bool) {
-        self.change(|orders| (orders.request, orders.clear_fault) = (Request::Idle, clear_fault));
+        self.stepping().0.stop(clear_fault);
     }
 
     /// Returns a block of silence, lane after lane.
@@ -199,23 +129,19 @@ impl Controller {
     /// from which a dropped queue is silent.
     #[getter]
     fn shape(&self) -> (usize, usize, f64, usize, usize) {
-        (self.silence.lanes.len(), self.samples, self.sample_hz, LATENCY_BLOCKS, dropped_from(self.samples))
+        let stepping = &self.stepping().0;
+        let (lanes, samples) = (self.silence.lanes.len(), stepping.samples);
+        (lanes, samples, stepping.sample_hz, LATENCY_BLOCKS, dropped_from(samples))
     }
 
     /// Returns mid-code and largest code of the sense channels, their volts and amperes per code,
     /// mid-code of the drive, and its volts per code.
     #[getter]
     fn scale(&self) -> (u16, u16, f32, f32, u16, f32) {
-        let front = &self.front_end;
+        let front = &self.stepping().0.front_end;
         let sense = (front.sense_mid_code, front.sense_max_code, front.volt_per_lsb, front.ampere_per_lsb);
         (sense.0, sense.1, sense.2, sense.3, front.drive_mid_code, front.drive_volt_per_lsb)
     }
-}
-
-/// Returns an amplitude that is a finite number, zero or more.
-fn positive(value: f32) -> PyResult<f32> {
-    let is_valid = value.is_finite() && value >= 0.0;
-    is_valid.then_some(value).ok_or_else(|| PyValueError::new_err("an amplitude is a finite number, zero or more"))
 }
 
 /// Returns the scene as one that a controller drives.
@@ -311,23 +237,15 @@ impl Telemetry {
 /// The plant of a scene, in the caller's loop.
 #[pyclass(frozen, module = "sonoglide._native")]
 pub struct Plant {
-    playing: Mutex<Playing>,
+    playing: Mutex<(Playing, DriveBlock, SenseBlock)>,
     lanes: usize,
     samples: usize,
 }
 
 impl Plant {
-    fn playing(&self) -> MutexGuard<'_, Playing> {
+    fn playing(&self) -> MutexGuard<'_, (Playing, DriveBlock, SenseBlock)> {
         self.playing.lock().unwrap_or_else(PoisonError::into_inner)
     }
-}
-
-/// State of a plant.
-struct Playing {
-    plant: FaultInjector<plant::Plant>,
-    drive: DriveBlock,
-    sense: SenseBlock,
-    hash: DriveHash,
 }
 
 #[pymethods]
@@ -335,10 +253,8 @@ impl Plant {
     #[new]
     fn new(scene: &Scene) -> PyResult<Self> {
         let driven = driven(scene)?;
-        let plant = breakable_plant(&driven);
-        let (drive, sense, hash) = (DriveBlock::default(), SenseBlock::default(), DriveHash::default());
-        let (lanes, samples) = (driven.controller.drive.lanes.into(), driven.controller.block_samples.into());
-        Ok(Plant { playing: Mutex::new(Playing { plant, drive, sense, hash }), lanes, samples })
+        let playing = Mutex::new((Playing::new(&driven), DriveBlock::default(), SenseBlock::default()));
+        Ok(Plant { playing, lanes: driven.controller.drive.lanes.into(), samples: driven.controller.block_samples.into() })
     }
 
     /// Plays one block, lane after lane, and returns the codes of voltage and current, and the slow
@@ -348,13 +264,11 @@ impl Plant {
             let said = format!("a block has {} lanes of {} samples, and listens to one of them", self.lanes, self.samples);
             return Err(PyValueError::new_err(said));
         }
-        let mut playing = self.playing();
-        let Playing { plant, drive: block, sense, hash } = &mut *playing;
+        let (playing, block, sense) = &mut *self.playing();
         let lanes = drive.chunks(2 * self.samples).map(|lane| codes(lane, self.samples));
         block.lanes = lanes.collect::<PyResult<Vec<_>>>()?.into_iter().take(block.lanes.capacity()).collect();
         block.listen = listen;
-        plant.exchange(block, sense);
-        hash.add(block);
+        playing.exchange(block, sense);
         let slow = (sense.slow.belt.map(|belt| belt.counts), sense.slow.force, sense.slow.temperature);
         Ok((bytes(py, &sense.v)?, bytes(py, &sense.i)?, slow))
     }
@@ -362,14 +276,14 @@ impl Plant {
     /// Hash of all codes that were played.
     #[getter]
     fn drive_hash(&self) -> String {
-        format!("{:016x}", self.playing().hash.value())
+        format!("{:016x}", self.playing().0.drive_hash())
     }
 
     /// The truth about the last block, which a controller never receives: name with unit, value.
     #[getter]
     fn truth(&self) -> Vec<(&'static str, f64)> {
         let playing = self.playing();
-        let truth = playing.plant.inner.truth();
+        let truth = playing.0.plant().truth();
         vec![
             ("friction_n", truth.friction_mean_n),
             ("tip_velocity_m_per_s", truth.tip_velocity_m_per_s),

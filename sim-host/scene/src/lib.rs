@@ -42,7 +42,7 @@ pub use firmware::seam::config::{
 pub use keys::carriage::Carriage;
 pub use keys::circuit;
 pub use keys::comparison::{Case, Comparison, Equal};
-pub use keys::contact::{Compliant, Contact, Coulomb, Dahl, Empirical, Held, Hertz, Lugre, Model, Sign};
+pub use keys::contact::{Compliant, Contact, Coulomb, Dahl, Empirical, Expression, Held, Hertz, Lugre, Model, Relay, Sign};
 pub use keys::controller::Controller;
 pub use keys::course::{Disturbance, DisturbedKey, Fault, FaultKind};
 pub use keys::dring::{ActuatorKind, Dring, NormalPartKind, Occupant, RingVibration};

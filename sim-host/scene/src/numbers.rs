@@ -46,8 +46,10 @@ impl Numbers {
     /// with constant load and vibration along the sliding.
     pub fn of(mut scene: Scene, keys: &[&str]) -> Option<Self> {
         let one_load = scene.disturbance.is_empty() && scene.fault.is_empty();
-        let along =
-            |scene: &Excited| scene.excitation.angle_deg == 0.0 && !matches!(scene.model, Model::Hertz(_) | Model::Compliant(_));
+        let along = |scene: &Excited| {
+            scene.excitation.angle_deg == 0.0
+                && !matches!(scene.model, Model::Hertz(_) | Model::Compliant(_) | Model::Expression(_))
+        };
         scene.excited().filter(|scene| one_load && along(scene))?;
         let mut places = Vec::with_capacity(keys.len());
         for key in keys {

@@ -25,8 +25,8 @@ const ENERGY_METRICS: [&str; 5] = ["input_ratio", "stored_ratio", "damper_ratio"
 /// Largest number of periods up to which the energies are always computed.
 const MAX_ENERGY_PERIODS: f64 = 4096.0;
 
-/// Returns the friction law of a contact that vibrates along the motion, `None` if it vibrates
-/// across it.
+/// Returns the built-in friction law of a contact that vibrates along the motion, `None` if it
+/// vibrates across it or has a law of its own.
 pub fn law(model: &Model) -> Option<Law> {
     match *model {
         Model::Coulomb(_) => Some(Law::Coulomb),
@@ -38,7 +38,7 @@ pub fn law(model: &Model) -> Option<Law> {
             sigma1: lugre.sigma1,
             sigma2: lugre.sigma2,
         }),
-        Model::Hertz(_) | Model::Compliant(_) => None,
+        Model::Hertz(_) | Model::Compliant(_) | Model::Expression(_) => None,
     }
 }
 

@@ -36,6 +36,7 @@ use crate::metrics::Metrics;
 use crate::overlay::{self, Overlaid};
 use crate::processor::Processor;
 use crate::run::RunError;
+use ::contact::custom::FrictionLaw;
 use ::contact::{Clock, SolveError};
 use scene::load::{Assumed, Inherited, LoadError, Loaded};
 use scene::metrics;
@@ -215,6 +216,9 @@ pub struct Options<'a> {
     pub progress: Option<&'a mut (dyn FnMut(f64) + Send)>,
     /// Clock that times the scene's own runs. Without it, the results contain no wall times.
     pub clock: Option<Clock>,
+    /// Friction law of the caller, which replaces the contact's in the run of a contact study; its
+    /// grid and its comparison keep the contact's.
+    pub law: Option<&'a (dyn FrictionLaw + Sync)>,
 }
 
 /// Limit of a value.
@@ -277,7 +281,7 @@ pub fn run<'a>(loaded: &'a Loaded, mut options: Options) -> Result<Study<'a>, St
         }
         Kind::Excited(scene) => {
             let progress = options.progress.as_mut().map(|progress| progress as &mut dyn FnMut(f64));
-            let (solved, metrics, overlaid) = contact::run(scene, options.clock, stop, progress)?;
+            let (solved, metrics, overlaid) = contact::run(scene, (options.clock, options.law), stop, progress)?;
             let cut = solved.answer.is_none();
             (Outcome::Contact(Box::new(solved)), metrics, overlaid, cut, None)
         }

@@ -3,7 +3,7 @@
 use clap::Command;
 
 /// Examples of each command: arguments and description.
-const EXAMPLES: [(&str, &[(&str, &str)]); 19] = [
+const EXAMPLES: [(&str, &[(&str, &str)]); 20] = [
     (
         "run",
         &[
@@ -58,6 +58,7 @@ const EXAMPLES: [(&str, &[(&str, &str)]); 19] = [
             ("design langevin --set design.element.3.length_m=0.035", "the same with a longer horn"),
         ],
     ),
+    ("export", &[("export fmu lock -o lock.fmu", "a unit for co-simulation; needs its library")]),
     ("compare", &[("compare out/lock out/lock-pil --tolerance 1%", "compare two runs of a scene")]),
     ("explain", &[("explain friction_ratio", "a metric"), ("explain fault 21", "a fault"), ("explain trace.csv", "a file")]),
     ("import", &[("import admittance transducer.s1p -o transducer", "fit an equivalent circuit and write a scene")]),

@@ -6,7 +6,7 @@ use clap::Command;
 const GROUPS: [(&str, &[&str]); 4] = [
     ("First steps", &["run", "sweep", "solve", "optimise", "import", "advise", "design", "link", "explain"]),
     ("Scenes", &["list", "show", "check", "schema"]),
-    ("Results", &["compare", "merge", "spectrum", "validate"]),
+    ("Results", &["compare", "merge", "spectrum", "validate", "export"]),
     ("Other", &[]),
 ];
 

@@ -145,7 +145,7 @@ fn run_loaded(args: &RunArgs, loaded: &Loaded, color: Color) -> anyhow::Result<E
     let start = start.as_ref().zip(image.as_ref()).map(|(start, image)| Start { level: image.level(), processor: start });
     let mut progress = Progress::new(loaded.scene.duration_s, loaded.scene.runs, args.report.result.quiet);
     let report = &mut |reached| progress.at(reached);
-    let options = Options { start, stop: Some(&STOP), progress: Some(report), clock: Some(super::clock) };
+    let options = Options { start, stop: Some(&STOP), progress: Some(report), clock: Some(super::clock), law: None };
     let study = study::run(loaded, options);
     drop(progress);
     let study = study?;

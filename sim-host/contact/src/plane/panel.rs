@@ -15,7 +15,7 @@
 use super::super::forcing::Forcing;
 use super::super::problem::Law;
 use super::Direction;
-use super::radau::{STAGES, rule, solve};
+use crate::radau::{STAGES, rule, solve};
 
 /// Bristles under a given slip.
 #[derive(Clone, Copy, Debug)]

@@ -35,7 +35,8 @@ impl DrivenStack {
         }
     }
 
-    fn set(&mut self, key: DisturbedKey, value: f64) {
+    /// Sets a value from now on.
+    pub fn set(&mut self, key: DisturbedKey, value: f64) {
         if let Some(webbing) = &mut self.webbing {
             match key {
                 DisturbedKey::BeltLoad => return self.elements.damp(webbing.set_load(value), &self.stack),

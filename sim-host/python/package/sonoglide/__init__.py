@@ -15,7 +15,7 @@ from ._loop import Board, Controller, Plant, Processed, Sensed, Slow
 from ._native import VERSION as __version__
 from ._native import LinkError, MeasurementError, RunError, SceneError, Telemetry, explain, scenes
 from ._result import Expectation, Figure, Result, Signal, Signals, Table
-from ._scene import Scene, metrics
+from ._scene import Law, Scene, metrics
 from ._sweep import Sweep
 
 __all__ = [
@@ -29,6 +29,7 @@ __all__ = [
     "Expectation",
     "Figure",
     "Friction",
+    "Law",
     "Link",
     "LinkError",
     "MeasurementError",

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from . import _native
@@ -23,6 +23,18 @@ class Metric(NamedTuple):
     name: str
     unit: str
     meaning: str
+
+
+class Law(NamedTuple):
+    """A friction law of your own.
+
+    `rates(slip_m_per_s, states, sign, coulomb_n)` returns the rates of the states, per second, and the friction, N. `sign` is that of the slip velocity; it is
+    constant between two reversals, which the solver locates: use it in place of a sign computed from the velocity, and `sign * slip_m_per_s` as its absolute
+    value. Otherwise the function must be smooth. `start` has the values of the states at the start.
+    """
+
+    rates: Callable[[float, Sequence[float], float, float], tuple[Sequence[float], float]]
+    start: Sequence[float] = ()
 
 
 def metrics() -> list[Metric]:
@@ -82,13 +94,16 @@ class Scene:
         tree: dict[str, Any] = json.loads(self._native.to_json())
         return tree
 
-    def run(self, output: str | os.PathLike[str] | None = None) -> Result:
+    def run(self, output: str | os.PathLike[str] | None = None, *, law: Law | None = None) -> Result:
         """Runs the scene, with its grid and its comparison.
 
         With `output` it also writes the folder of files that `sim-host run -o` writes: manifest, summary, traces, figures, report. Other Python threads
         continue meanwhile, and Ctrl-C ends the run. Raises `RunError` if there is no result.
+
+        `law` is a friction law of your own in place of that of a contact study; `mu` and normal force remain those of the scene.
         """
-        return Result(self._native.run(None if output is None else os.fspath(output)))
+        own = None if law is None else (law.rates, [float(value) for value in law.start])
+        return Result(self._native.run(None if output is None else os.fspath(output), own))
 
     def sweep(
         self,

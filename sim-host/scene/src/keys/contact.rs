@@ -1,6 +1,7 @@
 //! `[contact]`: the friction contact.
 
 mod compliant;
+mod expression;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -8,6 +9,7 @@ use serde::{Deserialize, Serialize};
 use contact::empirical::EmpiricalLaw;
 
 pub use compliant::{Compliant, Held};
+pub use expression::{Expression, Relay};
 
 /// The friction contact. Give exactly one model.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -28,6 +30,9 @@ pub struct Contact {
     /// A contact with constant stiffness in both directions, under vibration across the surface.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub compliant: Option<Compliant>,
+    /// A friction law of your own, as text.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub expression: Option<Expression>,
     /// A fitted law of a seat belt under vibration across it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub empirical: Option<Empirical>,
@@ -228,6 +233,8 @@ pub enum Model<'a> {
     Hertz(&'a Hertz),
     /// Constant stiffness in both directions, under vibration across the surface.
     Compliant(&'a Compliant),
+    /// A friction law of the user's own.
+    Expression(&'a Expression),
 }
 
 impl Contact {
@@ -238,7 +245,8 @@ impl Contact {
         let lugre = self.lugre.as_ref().map(Model::Lugre);
         let hertz = self.hertz.as_ref().map(Model::Hertz);
         let compliant = self.compliant.as_ref().map(Model::Compliant);
-        coulomb.or(dahl).or(lugre).or(hertz).or(compliant)
+        let expression = self.expression.as_ref().map(Model::Expression);
+        coulomb.or(dahl).or(lugre).or(hertz).or(compliant).or(expression)
     }
 
     /// Fills in the default sign of a model that has a sign.
@@ -246,7 +254,8 @@ impl Contact {
         let coulomb = self.coulomb.iter_mut().map(|model| &mut model.sign);
         let dahl = self.dahl.iter_mut().map(|model| &mut model.sign);
         let lugre = self.lugre.iter_mut().map(|model| &mut model.sign);
-        for sign in coulomb.chain(dahl).chain(lugre) {
+        let expression = self.expression.iter_mut().map(|model| &mut model.sign);
+        for sign in coulomb.chain(dahl).chain(lugre).chain(expression) {
             sign.get_or_insert_default();
         }
     }
@@ -261,6 +270,7 @@ impl Model<'_> {
             Model::Lugre(model) => model.mu,
             Model::Hertz(model) => model.mu,
             Model::Compliant(model) => model.mu,
+            Model::Expression(model) => model.mu,
         }
     }
 
@@ -272,6 +282,7 @@ impl Model<'_> {
             Model::Lugre(model) => model.normal_n,
             Model::Hertz(model) => model.normal_n,
             Model::Compliant(model) => model.normal_n,
+            Model::Expression(model) => model.normal_n,
         }
     }
 
@@ -281,6 +292,7 @@ impl Model<'_> {
             Model::Coulomb(model) => model.sign,
             Model::Dahl(model) => model.sign,
             Model::Lugre(model) => model.sign,
+            Model::Expression(model) => model.sign,
             Model::Hertz(_) | Model::Compliant(_) => None,
         };
         given.unwrap_or_default()

@@ -46,7 +46,7 @@ fn write_table(out: &mut String, text: &str, table: &DeTable<'_>, schema: Schema
     write_values(out, text, &values, schema);
     for (key, value) in tables {
         let path = join(path, key.get_ref());
-        let Some(schema) = schema.property(key.get_ref()) else { continue };
+        let Some(schema) = schema.entry(key.get_ref()) else { continue };
         match value.get_ref() {
             DeValue::Table(table) => write_section(out, text, table, schema, &path, ("[", "]")),
             DeValue::Array(list) => {
@@ -90,7 +90,9 @@ fn write_values(
         |line: &str, meaning: &str| length(line) <= MAX_INLINE_CHARS && length(line) + length(meaning) <= MAX_COMMENT_CHARS;
     let column = lines.iter().filter(|(line, meaning)| beside(line, meaning)).map(|(line, _)| length(line)).max().unwrap_or(0);
     for (line, meaning) in &lines {
-        if beside(line, meaning) {
+        if meaning.is_empty() {
+            *out += &format!("{line}\n");
+        } else if beside(line, meaning) {
             *out += &format!("{line:column$}  # {meaning}\n");
         } else {
             comment(out, meaning);

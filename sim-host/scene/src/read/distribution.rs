@@ -70,7 +70,7 @@ fn find(node: &Node, schema: Schema, path: &str, found: &mut Vec<Found>) {
         Value::Table(_) if schema.is_number() => found.push((path.to_owned(), schema, node.clone())),
         Value::Table(table) => {
             for (name, entry) in table {
-                if let Some(schema) = schema.property(name) {
+                if let Some(schema) = schema.entry(name) {
                     find(&entry.node, schema, &join(path, name), found);
                 }
             }

@@ -45,6 +45,7 @@ pub const EXCLUSIVE: &[Exclusive] = &[
             all(&["lugre"]),
             all(&["hertz"]),
             all(&["compliant"]),
+            all(&["expression"]),
             all(&["empirical"]),
         ],
     },

@@ -18,6 +18,7 @@ mod dring;
 mod drive;
 mod excitation;
 mod exclusive;
+mod expression;
 mod firmware;
 mod friction;
 mod grid;

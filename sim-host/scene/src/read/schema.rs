@@ -71,7 +71,7 @@ impl Schema {
     pub fn at(self, path: &str) -> Option<Self> {
         path.split('.').filter(|name| !name.is_empty()).try_fold(self, |schema, name| match schema.kind() {
             Kind::List if is_index(name) => schema.items(),
-            _ => schema.property(name),
+            _ => schema.entry(name),
         })
     }
 
@@ -112,6 +112,12 @@ impl Schema {
     /// Returns the schema of a key of a table.
     pub fn property(self, name: &str) -> Option<Self> {
         self.0.get("properties")?.get(name).map(|schema| Self(schema).value())
+    }
+
+    /// Returns the schema of a key of a table, also of a table whose names the user chooses.
+    pub(crate) fn entry(self, name: &str) -> Option<Self> {
+        let of_any_name = || self.0.get("additionalProperties").filter(|schema| schema.is_object());
+        self.property(name).or_else(|| of_any_name().map(|schema| Self(schema).value()))
     }
 
     /// Returns the required keys of a table.

@@ -117,7 +117,7 @@ fn check_table(node: &mut Node, schema: Schema, path: &str, findings: &mut Findi
     let mut unknown_table = false;
     for (name, entry) in table.iter_mut() {
         let inner = join(path, name);
-        match schema.property(name) {
+        match schema.entry(name) {
             Some(schema) => check(&mut entry.node, schema, &inner, findings),
             None => {
                 let (problem, meant) = unknown::unknown(findings.root.unwrap_or_else(Schema::root), schema, path, name, entry);

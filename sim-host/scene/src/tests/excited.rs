@@ -216,6 +216,40 @@ fn record_tolerance_needs_a_record() {
 }
 
 #[test]
+fn a_law_of_ones_own_is_checked_and_resolved() {
+    let law = r#"[contact.expression]
+mu = 0.3
+normal_n = 10
+force = "k_n_per_m*z"
+rate.z = "v - k_n_per_m*abs(v)*z/Fc*(1 - held)"
+parameter.k_n_per_m = 2e6
+relay.held = { on = "z", off = "-z" }
+"#;
+    let text = kinematic(law);
+    for changes in [&[][..], &["contact.expression.parameter.k_n_per_m=3e6", "contact.expression.start.z=1e-9"]] {
+        let scene = load_text("a.toml", &text, &sets(changes)).unwrap_or_else(|error| panic!("{error}")).scene;
+        let again = load_text("resolved", &resolved_toml(&scene), &[]).unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!(again.scene, scene);
+    }
+    let varied = ["contact.expression.parameter.k_n_per_m={ value = 2e6, sd = 1e5 }"];
+    let varied = load_text("a.toml", &text, &sets(&varied)).unwrap_or_else(|error| panic!("{error}")).scene;
+    assert_eq!((varied.runs, varied.vary[0].key.as_str()), (256, "contact.expression.parameter.k_n_per_m"));
+    let refused = |change: &str, parts: &[&str]| says(&super::report(&text, &[change]), parts);
+    refused("contact.expression.rate.z=\"v*\"", &["`contact.expression.rate.z`", "missing at the end", "1 problem"]);
+    refused("contact.expression.parameter.k_n_per_m=\"2e6\"", &["expected a number in N/m", "without the quotes"]);
+    refused("contact.expression.parameters.k=1", &["did you mean `parameter`?"]);
+    refused("contact.expression.start.y=1", &["`y` has a start, but no rate"]);
+    refused("contact.expression.relay.held.on=\"u\"", &["`contact.expression.relay.held.on`", "`u` is not known"]);
+    refused("integrator.method=linexp", &["linexp", "solved only by collocation", "1 problem"]);
+    refused("integrator.tolerance_of=record", &["only the mean has a tolerance"]);
+    refused("excitation.angle_deg=5", &["one direction of slip"]);
+    refused("contact.expression.mu=0", &["`contact.expression.mu` is 0"]);
+    assert!(load_text("a.toml", &text, &sets(&["integrator.method=collocation"])).is_ok());
+    // A name that a user chooses is not looked for in other tables.
+    says(&report(&["rig.sdof.z=1"]), &["unknown key `z`"]);
+}
+
+#[test]
 fn compliant_contact_needs_a_prescribed_sine() {
     let compliant = "[contact.compliant]\nmu = 0.3\nnormal_n = 10\nnormal_stiffness_n_per_m = 1e7\nstiffness_n_per_m = 8e6\n";
     let text = kinematic(compliant);

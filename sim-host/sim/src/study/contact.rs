@@ -14,6 +14,7 @@ use super::playback::Playback;
 use super::stopped::{interrupt_if, unless_stopped};
 use crate::metrics::Metrics;
 use crate::overlay::{self, Overlaid};
+use contact::custom::{Expression, FrictionLaw};
 use contact::{self, Clock, Law, Method, Numerics, Orbit, Problem, Solution, SolveError, State, ToleranceOf};
 use scene::{Excited, Model, problem};
 
@@ -34,7 +35,7 @@ pub struct Solved<'a> {
 /// Solves a scene, records it and measures it.
 pub(super) fn run<'a>(
     scene: Excited<'a>,
-    clock: Option<Clock>,
+    (clock, law): (Option<Clock>, Option<&(dyn FrictionLaw + Sync)>),
     stop: &AtomicBool,
     mut progress: Option<&mut dyn FnMut(f64)>,
 ) -> Result<(Solved<'a>, Metrics, Option<Overlaid>), StudyError> {
@@ -50,7 +51,7 @@ pub(super) fn run<'a>(
             }
         }
     };
-    let answer = unless_stopped(|| answer(&scene, None, (stop, clock), Some(watch))).transpose()?;
+    let answer = unless_stopped(|| answer(&scene, None, (stop, clock), law, Some(watch))).transpose()?;
     playback.finish();
     let mut metrics = measured(&scene, answer.as_ref());
     let solved = Solved { scene, answer, playback };
@@ -75,7 +76,7 @@ fn overlaid(solved: &Solved) -> Overlaid {
 pub(super) fn overlaid_closed_form(scene: &Excited) -> Option<(Metrics, Overlaid)> {
     let problem = problem::problem(scene, problem::law(&scene.model)?).ok()?;
     let closed = !scene.overlay.is_empty() && contact::closed_form(&problem, &problem::numerics(scene, None)).is_some();
-    let (_, metrics, overlaid) = closed.then(|| run(*scene, None, &AtomicBool::new(false), None))?.ok()?;
+    let (_, metrics, overlaid) = closed.then(|| run(*scene, (None, None), &AtomicBool::new(false), None))?.ok()?;
     Some((metrics, overlaid?))
 }
 
@@ -89,9 +90,9 @@ pub(super) fn needs_figures(scene: &Excited, wanted: Option<&[&str]>) -> bool {
 /// no metrics if it is stopped.
 pub(super) fn cell(scene: &Excited, wanted: Option<&[&str]>, stop: &AtomicBool) -> Result<Metrics, StudyError> {
     if needs_figures(scene, wanted) {
-        return run(*scene, None, stop, None).map(|(_, metrics, _)| metrics);
+        return run(*scene, (None, None), stop, None).map(|(_, metrics, _)| metrics);
     }
-    let answer = unless_stopped(|| answer(scene, wanted, (stop, None), None::<&mut fn(&State)>)).transpose()?;
+    let answer = unless_stopped(|| answer(scene, wanted, (stop, None), None, None::<&mut fn(&State)>)).transpose()?;
     Ok(measured(scene, answer.as_ref()))
 }
 
@@ -123,11 +124,23 @@ fn answer<W: FnMut(&State)>(
     scene: &Excited,
     wanted: Option<&[&str]>,
     (stop, clock): (&AtomicBool, Option<Clock>),
+    law: Option<&(dyn FrictionLaw + Sync)>,
     watch: Option<&mut W>,
 ) -> Result<Answer, SolveError> {
     // With vibration normal to the surface, friction is Coulomb's fraction of the normal force.
     let problem = problem::problem(scene, problem::law(&scene.model).unwrap_or(Law::Coulomb))?;
     let (numerics, pause) = (problem::numerics(scene, wanted), || interrupt_if(stop));
+    if let Some(law) = law {
+        let watch = watch.map(|watch| watch as &mut dyn FnMut(&State));
+        let solution = contact::custom::solve(&problem, law, &numerics, (&pause, clock), watch)?;
+        let steady = solution.orbit.map(|orbit| (solution.ratios.friction, orbit));
+        return Ok(Answer { problem, solution, steady, across: None, in_plane: None });
+    }
+    if let Model::Expression(model) = scene.model {
+        let law = Expression::new(&model.source())
+            .map_err(|error| SolveError::Refused { reason: error.to_string(), advice: format!("correct `{}`", error.key) })?;
+        return answer(scene, wanted, (stop, clock), Some(&law), watch);
+    }
     if let Some(direction) = problem::direction(scene) {
         let (solution, in_plane) = in_plane::solve(&problem, direction, &numerics, (&pause, clock), watch)?;
         return Ok(Answer { problem, solution, steady: None, across: None, in_plane: Some(in_plane) });

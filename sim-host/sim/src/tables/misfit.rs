@@ -11,7 +11,7 @@ const LOADS: [&str; 3] = ["load_n", "normal_n", "self_weight_n"];
 pub(crate) fn misfits<'a>(scene: &Value, mut keys: impl Iterator<Item = &'a str>) -> Vec<String> {
     let has = |law: &str| !scene["contact"][law].is_null();
     let is_load = |key: &str| key.rsplit('.').next().is_some_and(|name| LOADS.contains(&name));
-    let slides = ["coulomb", "dahl", "lugre"].into_iter().any(has);
+    let slides = ["coulomb", "dahl", "lugre", "expression"].into_iter().any(has);
     let misfit = match keys.any(is_load) {
         true if slides => {
             "Known misfit: in published measurements a larger load lowers the reduction. With the stiffness of this contact \

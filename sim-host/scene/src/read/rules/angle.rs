@@ -14,7 +14,7 @@ const PERIODIC: [&str; 5] = ["sine", "square", "sawtooth", "triangle", "still"];
 impl Rules<'_> {
     pub(super) fn angle(&mut self) {
         if self.number(ANGLE).unwrap_or_default() == 0.0 {
-            if self.text(METHOD) == Some("collocation") {
+            if self.text(METHOD) == Some("collocation") && !self.given("contact.expression") {
                 let reason = "only for a vibration at an angle to the sliding, `excitation.angle_deg`";
                 let problem = Problem::new(self.place(METHOD), "collocation does not apply here", reason);
                 self.add(

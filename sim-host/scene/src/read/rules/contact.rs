@@ -6,7 +6,7 @@ use crate::diagnostic::Problem;
 use crate::nearest::shown;
 use crate::schema::join;
 
-const MODELS: [&str; 5] = ["coulomb", "dahl", "lugre", "hertz", "compliant"];
+const MODELS: [&str; 6] = ["coulomb", "dahl", "lugre", "hertz", "compliant", "expression"];
 const ALPHA: &str = "contact.dahl.alpha";
 
 impl Rules<'_> {

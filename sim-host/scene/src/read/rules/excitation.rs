@@ -27,6 +27,7 @@ impl Rules<'_> {
         self.waveform();
         self.hertz();
         self.compliant();
+        self.expression();
         self.velocity_ratio();
         self.window();
     }

@@ -57,7 +57,8 @@ const NOT_DESIGNED: &[&str] = &[
     "duration_s",
 ];
 /// Tables that only a contact study can have.
-const EXCITED_ONLY: &[&str] = &["rig.kinematic", "rig.sdof", "contact.coulomb", "contact.hertz", "contact.compliant"];
+const EXCITED_ONLY: &[&str] =
+    &["rig.kinematic", "rig.sdof", "contact.coulomb", "contact.hertz", "contact.compliant", "contact.expression"];
 /// Keys of the integrator that only a contact study can have.
 const STUDY_KEYS: &[&str] = &["method", "order", "tolerance", "tolerance_of", "window", "window_periods"];
 /// Largest number of steps per period of the stack.

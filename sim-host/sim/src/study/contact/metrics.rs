@@ -3,7 +3,7 @@
 use crate::metrics::Metrics;
 use crate::study::answer::Answer;
 use contact::{Method, Motion};
-use scene::{Excited, problem};
+use scene::{Excited, Model, problem};
 
 /// Metrics of the steady state, which a window of the run does not show.
 pub const STEADY: [&str; 2] = ["steady_friction_ratio", "settling_periods"];
@@ -49,7 +49,8 @@ pub fn measure(study: &Excited, answer: &Answer) -> Metrics {
     }
     metrics.put("power_ratio_as_printed", ratios.power_as_printed);
     metrics.put("energy_residual", ratios.energy_residual);
-    metrics.put("kappa", sine.kappa());
+    // A law of one's own has no stiffness that is known.
+    metrics.put("kappa", (!matches!(study.model, Model::Expression(_))).then(|| sine.kappa()));
     metrics.put("error_estimate", solution.error_estimate);
     metrics.put("record_error_estimate", solution.record_error_estimate);
     metrics.put("tolerance_met", f64::from(solution.tolerance_met));

@@ -9,24 +9,27 @@
 use std::sync::LazyLock;
 
 /// Number of nodes of a panel, s.
-pub(super) const STAGES: usize = 12;
+pub(crate) const STAGES: usize = 12;
 /// Number of brackets in which zeros are searched, evenly spaced in the angle; the closest two
 /// zeros are a sixtieth of it apart.
 const BRACKETS: usize = 4000;
 
 /// Collocation rule.
 #[derive(Debug)]
-pub(super) struct Rule {
+pub(crate) struct Rule {
     /// Positions of the nodes, 0 to 1.
-    pub(super) at: [f64; STAGES],
+    pub(crate) at: [f64; STAGES],
     /// Weights of the integral from 0 to 1.
-    pub(super) weight: [f64; STAGES],
+    pub(crate) weight: [f64; STAGES],
     /// Derivative at each node, from the values at all nodes.
-    pub(super) slope: [[f64; STAGES]; STAGES],
+    pub(crate) slope: [[f64; STAGES]; STAGES],
+    /// Barycentric weights of the start and the nodes: factors of the values in the coefficient of
+    /// the highest power.
+    pub(crate) barycentric: [f64; STAGES + 1],
 }
 
 /// Returns the rule.
-pub(super) fn rule() -> &'static Rule {
+pub(crate) fn rule() -> &'static Rule {
     static RULE: LazyLock<Rule> = LazyLock::new(Rule::new);
     &RULE
 }
@@ -80,12 +83,14 @@ impl Rule {
                 };
             }
         }
-        Rule { at, weight, slope }
+        let start = at.iter().product::<f64>().recip();
+        let barycentric = std::array::from_fn(|point| if point == 0 { start } else { barycentric[point - 1] });
+        Rule { at, weight, slope, barycentric }
     }
 }
 
 /// Solves the equations of a panel for three right-hand sides; `None` if they have no solution.
-pub(super) fn solve(mut matrix: [[f64; STAGES]; STAGES], mut sides: [[f64; 3]; STAGES]) -> Option<[[f64; 3]; STAGES]> {
+pub(crate) fn solve(mut matrix: [[f64; STAGES]; STAGES], mut sides: [[f64; 3]; STAGES]) -> Option<[[f64; 3]; STAGES]> {
     for column in 0..STAGES {
         let size = |row: &usize| matrix[*row][column].abs();
         let pivot = (column..STAGES).max_by(|a, b| size(a).total_cmp(&size(b)))?;
