@@ -49,8 +49,8 @@ for scene, duration_s, further in [("experiment-1", 1.0, BURSTS), ("friction-rat
 # Inputs: the load changes the friction, the drive lowers it.
 path = export("experiment-1", "load.fmu", "--set", "controller.burst.off_s=[9]", "--set", "duration_s=10")
 signals = np.array(
-    [(0.0, True, 5.0), (0.3, False, 5.0), (0.301, True, 5.0), (0.6, False, 5.0), (0.6, False, 10.0)],
-    dtype=[("time", float), ("on", bool), ("load_n", float)],
+    [(0.0, 0, 5.0), (0.3, 1, 5.0), (0.6, 2, 5.0), (0.6, 2, 10.0)],
+    dtype=[("time", float), ("gate", np.int32), ("load_n", float)],
 )
 result = simulate_fmu(path, stop_time=0.9, step_size=1e-3, output_interval=1e-3, input=signals)
 before, on, after = (result["friction_n"][int(at) - 20 : int(at)].mean() for at in (290, 590, 890))

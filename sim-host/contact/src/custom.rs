@@ -55,7 +55,7 @@ use crate::auto::{Numerics, ToleranceOf};
 use crate::orbit::{Orbit, Unsteady};
 use crate::tally::Ratios;
 use crate::{Clock, Method, Motion, Problem, Solution, SolveError, State};
-use run::{Ran, Start};
+use run::{MIN_INTERVALS_PER_PERIOD, Ran, Start};
 
 /// Factor between the tolerances of two runs whose difference is the error of the coarser one.
 const FINER: f64 = 1e-2;
@@ -75,7 +75,8 @@ pub trait FrictionLaw {
     /// between two events.
     fn rates(&self, at: &At, rates: &mut [f64]) -> f64;
 
-    /// Returns the partial derivatives, if they are known; otherwise they are found by differences.
+    /// Computes the partial derivatives, if they are known; otherwise differences give them.
+    /// For a given motion only those of the rates by the states are needed.
     fn derivatives(&self, _at: &At, _partial: &mut Partial) -> bool {
         false
     }
@@ -118,6 +119,8 @@ pub struct Partial {
     pub force_by_states: Vec<f64>,
     /// Derivative of the friction by the slip velocity, N s/m.
     pub force_by_slip: f64,
+    /// `true` if only `rates_by_states` is needed.
+    pub is_motion_given: bool,
 }
 
 impl Partial {
@@ -127,6 +130,7 @@ impl Partial {
             rates_by_slip: vec![0.0; states],
             force_by_states: vec![0.0; states],
             force_by_slip: 0.0,
+            is_motion_given: false,
         }
     }
 }
@@ -144,6 +148,7 @@ pub fn solve(
     watch: Option<&mut dyn FnMut(&State)>,
 ) -> Result<Solution, SolveError> {
     let began = clock.map(|clock| clock());
+    let periods = problem.duration_s * problem.waveform.frequency_hz();
     let wants_steady = numerics.steady && numerics.tolerance_of == ToleranceOf::Mean;
     let (mut warnings, mut orbit) = (Vec::new(), None);
     let mut span = (problem.clone(), Start::new(problem, law));
@@ -159,8 +164,9 @@ pub fn solve(
     let (problem, start) = span;
     let problem = if numerics.whole_run { problem } else { problem.up_to_window() };
     let tolerance = (INTERVAL_TOLERANCE_REL * numerics.tolerance).max(MIN_INTERVAL_TOLERANCE / FINER);
-    let coarse = run::run(&problem, law, &start, tolerance, pause, None)?;
-    let fine = run::run(&problem, law, &start, FINER * tolerance, pause, watch)?;
+    // Where the intervals are at their longest, only their number makes the runs differ.
+    let coarse = run::run(&problem, law, &start, (tolerance, MIN_INTERVALS_PER_PERIOD), pause, None)?;
+    let fine = run::run(&problem, law, &start, (FINER * tolerance, 2.0 * MIN_INTERVALS_PER_PERIOD), pause, watch)?;
     let of_coarse = (mean(&fine) - mean(&coarse)).abs();
     // The coarser run's error is that of the finer one at most; round-off of long runs adds up.
     let error = of_coarse.max(ROUND_OFF) + orbit.map_or(0.0, |orbit: Orbit| orbit.error);
@@ -171,7 +177,6 @@ pub fn solve(
             numerics.tolerance
         ));
     }
-    let periods = problem.duration_s * problem.waveform.frequency_hz();
     Ok(Solution {
         method: Method::Collocation,
         why: format!("a law of your own: {} intervals of collocation, {} events", fine.intervals, fine.events),

@@ -26,12 +26,42 @@ pub(crate) struct Rule {
     /// Barycentric weights of the start and the nodes: factors of the values in the coefficient of
     /// the highest power.
     pub(crate) barycentric: [f64; STAGES + 1],
+    /// Integral from the start to each node, from the values at all nodes: the inverse of `slope`.
+    pub(crate) integral: [[f64; STAGES]; STAGES],
 }
 
 /// Returns the rule.
 pub(crate) fn rule() -> &'static Rule {
     static RULE: LazyLock<Rule> = LazyLock::new(Rule::new);
     &RULE
+}
+
+/// Places half-way between two neighbours of the start and the nodes, with the factors of the
+/// values in polynomials there.
+#[derive(Debug)]
+pub(crate) struct Halfway {
+    pub(crate) at: [f64; STAGES],
+    /// Factors of the values at the start and the nodes.
+    pub(crate) of_all: [[f64; STAGES + 1]; STAGES],
+    /// Factors of the values at the nodes alone, a polynomial of one degree less.
+    pub(crate) of_nodes: [[f64; STAGES]; STAGES],
+}
+
+/// Returns the places half-way.
+pub(crate) fn halfway() -> &'static Halfway {
+    static HALFWAY: LazyLock<Halfway> = LazyLock::new(|| {
+        let rule = rule();
+        let at: [f64; STAGES] = std::array::from_fn(|k| 0.5 * (if k == 0 { 0.0 } else { rule.at[k - 1] } + rule.at[k]));
+        let of_nodes = at.map(|place| {
+            // Without the start, a barycentric weight has one factor less.
+            let factors: [f64; STAGES] =
+                std::array::from_fn(|node| rule.barycentric[node + 1] * rule.at[node] / (place - rule.at[node]));
+            let sum: f64 = factors.iter().sum();
+            factors.map(|factor| factor / sum)
+        });
+        Halfway { at, of_all: at.map(|place| rule.factors(place)), of_nodes }
+    });
+    &HALFWAY
 }
 
 /// Returns the Legendre polynomials of degree s and s - 1.
@@ -85,8 +115,33 @@ impl Rule {
         }
         let start = at.iter().product::<f64>().recip();
         let barycentric = std::array::from_fn(|point| if point == 0 { start } else { barycentric[point - 1] });
-        Rule { at, weight, slope, barycentric }
+        Rule { at, weight, slope, barycentric, integral: inverse(slope) }
     }
+
+    /// Returns the factors of the values at the start and the nodes in the value of the polynomial
+    /// at a place from 0 to 1.
+    pub(crate) fn factors(&self, place: f64) -> [f64; STAGES + 1] {
+        let at = |point: usize| if point == 0 { 0.0 } else { self.at[point - 1] };
+        if let Some(point) = (0..=STAGES).find(|point| at(*point) == place) {
+            return std::array::from_fn(|other| f64::from(u8::from(other == point)));
+        }
+        let factors: [f64; STAGES + 1] = std::array::from_fn(|point| self.barycentric[point] / (place - at(point)));
+        let sum: f64 = factors.iter().sum();
+        factors.map(|factor| factor / sum)
+    }
+}
+
+/// Returns the inverse of a matrix, three columns at a time.
+fn inverse(matrix: [[f64; STAGES]; STAGES]) -> [[f64; STAGES]; STAGES] {
+    let mut inverse = [[f64::NAN; STAGES]; STAGES];
+    for first in (0..STAGES).step_by(3) {
+        let sides = std::array::from_fn(|row| std::array::from_fn(|k| f64::from(u8::from(row == first + k))));
+        let columns = solve(matrix, sides).unwrap_or([[f64::NAN; 3]; STAGES]);
+        for (row, values) in inverse.iter_mut().zip(columns) {
+            row[first..first + 3].copy_from_slice(&values);
+        }
+    }
+    inverse
 }
 
 /// Solves the equations of a panel for three right-hand sides; `None` if they have no solution.
@@ -130,6 +185,18 @@ mod tests {
         for degree in 0..2 * STAGES as i32 - 1 {
             let integral: f64 = rule.at.iter().zip(rule.weight).map(|(at, weight)| weight * at.powi(degree)).sum();
             assert!((integral * f64::from(degree + 1) - 1.0).abs() < 1e-13, "{degree}: {integral}");
+        }
+        for degree in 0..STAGES as i32 {
+            for (row, at) in rule.integral.iter().zip(rule.at) {
+                let integral: f64 = row.iter().zip(rule.at).map(|(factor, at)| factor * at.powi(degree)).sum();
+                assert!((integral * f64::from(degree + 1) - at.powi(degree + 1)).abs() < 1e-13, "{degree} {at}: {integral}");
+            }
+            for place in [0.0, 0.3, 0.77, 1.0] {
+                let factors = rule.factors(place);
+                let others = factors[1..].iter().zip(rule.at).map(|(factor, at)| factor * at.powi(degree));
+                let value = others.sum::<f64>() + if degree == 0 { factors[0] } else { 0.0 };
+                assert!((value - place.powi(degree)).abs() < 1e-12, "{degree} {place}: {value}");
+            }
         }
         // Polynomials that are zero at the start.
         for degree in 1..=STAGES as i32 {

@@ -18,13 +18,17 @@ const MIN_PART: f64 = 1.0 / 64.0;
 const FOLLOWED_PERIODS: usize = 20;
 /// Smallest pivot; below it, the steady state is not unique.
 const MIN_PIVOT: f64 = 1e-10;
-/// Distance of a multiplier from one below which a disturbance neither decays nor grows.
-const MIN_DECAY: f64 = 1e-7;
 
 /// Map of a state over one period, in units of its scale.
 pub(crate) trait Map {
     /// Returns `true` if a part of the state is free, and does not follow from the excitation.
     fn is_free(&self, part: usize) -> bool;
+
+    /// Returns the distance of a multiplier from one below which a disturbance neither decays nor
+    /// grows.
+    fn min_decay(&self) -> f64 {
+        1e-7
+    }
 
     /// Returns the state after one period, and the mean friction ratio; `None` if it cannot be
     /// computed.
@@ -62,10 +66,10 @@ pub(crate) fn find(map: &impl Map, start: Vec<f64>) -> Result<Fixed, Lost> {
     let found = search(map, start).ok_or(Lost::NotFound)?;
     let derivative = derivative(map, &found.at).ok_or(Lost::NotFound)?;
     let multiplier = spectral_radius(&derivative);
-    if multiplier > 1.0 + MIN_DECAY {
+    if multiplier > 1.0 + map.min_decay() {
         return Err(Lost::Unstable(multiplier));
     }
-    if multiplier > 1.0 - MIN_DECAY {
+    if multiplier > 1.0 - map.min_decay() {
         return Err(Lost::NotUnique);
     }
     Ok(Fixed { residual: size(&found.off), at: found.at, mean: found.mean, derivative, multiplier })

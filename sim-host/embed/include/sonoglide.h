@@ -1,4 +1,5 @@
 // Sonoglide in C and C++: the controller of the firmware, and the simulated plant, block by block.
+// Each object may be used by one thread at a time. Numbers of faults and limits: docs/faults.md.
 // Generated from sim-host/embed/src; UPDATE_DOCS=1 cargo test -p sonoglide-embed writes it anew.
 
 #ifndef SONOGLIDE_H
@@ -48,6 +49,8 @@ typedef struct SonoglideSlow {
   bool has_counts;
   // Counts of the belt encoder.
   int32_t counts;
+  // `true` if a line to the belt encoder is broken.
+  bool broken;
   // Friction force, N.
   float force_n;
   // Temperature at the driver, degrees Celsius.
@@ -124,8 +127,8 @@ void sonoglide_controller_free(struct SonoglideController *controller);
 int sonoglide_controller_shape(struct SonoglideController *controller,
                                struct SonoglideShape *shape);
 
-// Processes one block: `samples` codes of voltage and current, and slow readings, or null without
-// any. Writes the codes to play `latency_blocks` later, `lanes` times `samples`, lane after lane,
+// Processes one block: `samples` codes of voltage and current, and slow readings, or null if the
+// scene has no such sensor. Writes the codes to play `latency_blocks` later, `lanes` times `samples`, lane after lane,
 // and the report, if it is not null. Returns 0, or -1 on failure.
 //
 // # Safety
@@ -137,13 +140,15 @@ int sonoglide_controller_process(struct SonoglideController *controller,
                                  uint16_t *codes,
                                  struct SonoglideReport *report);
 
-// Orders a run with the drive always ON at a peak voltage, V. Returns 0, or -1 on failure.
+// Orders a run with the drive always ON at a peak voltage, V. Like every order, it ends the
+// friction steps of the scene. Returns 0, or -1 on failure.
 //
 // # Safety
 // `controller` comes from `sonoglide_controller_new`.
 int sonoglide_controller_drive(struct SonoglideController *controller, float volts);
 
-// Orders the drive ON or OFF in a run; OFF holds the frequency. Returns 0, or -1 on failure.
+// Orders the drive ON or OFF in a run, instead of the bursts and the friction switch of the scene;
+// OFF holds the frequency. Returns 0, or -1 on failure.
 //
 // # Safety
 // `controller` comes from `sonoglide_controller_new`.

@@ -54,6 +54,8 @@ pub struct SonoglideSlow {
     pub has_counts: bool,
     /// Counts of the belt encoder.
     pub counts: i32,
+    /// `true` if a line to the belt encoder is broken.
+    pub broken: bool,
     /// Friction force, N.
     pub force_n: f32,
     /// Temperature at the driver, degrees Celsius.
@@ -90,6 +92,9 @@ pub struct SonoglideReport {
 
 /// Loads a scene that the firmware drives: a built-in name or a file, with changes `key=value`.
 pub(crate) fn loaded(source: &str, changes: &[String]) -> Result<Loaded, Box<dyn Error>> {
+    if source == "-" {
+        return Err("a scene is a built-in name or a file".into());
+    }
     let loaded = load(source, changes).map_err(|error| match &error {
         scene::load::LoadError::Invalid(report) => report.render(false).into(),
         _ => Box::<dyn Error>::from(error),
@@ -172,9 +177,9 @@ pub unsafe extern "C" fn sonoglide_controller_shape(controller: *mut SonoglideCo
     }))
 }
 
-/// Processes one block: `samples` codes of voltage and current, and slow readings, or null without
-/// any. Writes the codes to play `latency_blocks` later, `lanes` times `samples`, lane after lane,
-/// and the report, if it is not null. Returns 0, or -1 on failure.
+/// Processes one block: `samples` codes of voltage and current, and slow readings, or null if the
+/// scene has no such sensor. Writes the codes to play `latency_blocks` later, `lanes` times
+/// `samples`, lane after lane, and the report, if it is not null. Returns 0, or -1 on failure.
 ///
 /// # Safety
 /// `controller` comes from `sonoglide_controller_new`; the arrays have the sizes stated.
@@ -195,20 +200,20 @@ pub unsafe extern "C" fn sonoglide_controller_process(
         let samples = stepping.samples;
         // SAFETY: guaranteed by the caller.
         let (v, i) = unsafe { (pointers::read(v, samples), pointers::read(i, samples)) };
-        sense.v.clear();
-        sense.v.extend(v.map_err(said)?.iter().copied());
-        sense.i.clear();
-        sense.i.extend(i.map_err(said)?.iter().copied());
+        // SAFETY: guaranteed by the caller.
+        let codes = unsafe { pointers::write(codes, drive.lanes.len() * samples) };
+        // Before anything changes.
+        let (v, i, codes) = (v.map_err(said)?, i.map_err(said)?, codes.map_err(said)?);
+        sense.v = v.iter().copied().collect();
+        sense.i = i.iter().copied().collect();
         // SAFETY: guaranteed by the caller.
         sense.slow = unsafe { slow.as_ref() }.map_or_else(SlowSense::default, |slow| SlowSense {
-            belt: slow.has_counts.then_some(BeltSense { counts: slow.counts, broken: false }),
+            belt: slow.has_counts.then_some(BeltSense { counts: slow.counts, broken: slow.broken }),
             force: Some(slow.force_n).filter(|force| !force.is_nan()),
             temperature: Some(slow.temperature_c).filter(|temperature| !temperature.is_nan()),
             ..SlowSense::default()
         });
         stepping.process(sense, drive)?;
-        // SAFETY: guaranteed by the caller.
-        let codes = unsafe { pointers::write(codes, drive.lanes.len() * samples) }.map_err(said)?;
         codes.iter_mut().zip(drive.lanes.iter().flatten()).for_each(|(into, code)| *into = *code);
         // SAFETY: guaranteed by the caller.
         if let Some(report) = unsafe { report.as_mut() } {
@@ -235,7 +240,8 @@ fn reported(stepping: &Stepping, drive: &DriveBlock) -> SonoglideReport {
     }
 }
 
-/// Orders a run with the drive always ON at a peak voltage, V. Returns 0, or -1 on failure.
+/// Orders a run with the drive always ON at a peak voltage, V. Like every order, it ends the
+/// friction steps of the scene. Returns 0, or -1 on failure.
 ///
 /// # Safety
 /// `controller` comes from `sonoglide_controller_new`.
@@ -245,7 +251,8 @@ pub unsafe extern "C" fn sonoglide_controller_drive(controller: *mut SonoglideCo
     unsafe { order(controller, |stepping| stepping.drive(Some(Amplitude::Volts(volts)), None)) }
 }
 
-/// Orders the drive ON or OFF in a run; OFF holds the frequency. Returns 0, or -1 on failure.
+/// Orders the drive ON or OFF in a run, instead of the bursts and the friction switch of the scene;
+/// OFF holds the frequency. Returns 0, or -1 on failure.
 ///
 /// # Safety
 /// `controller` comes from `sonoglide_controller_new`.

@@ -95,6 +95,9 @@ unsafe extern "C" fn fmi3InstantiateCoSimulation(
         // SAFETY: guaranteed by the caller.
         let (token, resources) = unsafe { (pointers::text(token), pointers::text(resources)) };
         let (token, resources) = (token.map_err(|misuse| misuse.to_string())?, resources.map_err(|misuse| misuse.to_string())?);
+        if resources.is_empty() {
+            return Err("the path of the resources is empty".to_owned());
+        }
         let path = Path::new(resources).join(SCENE_FILE);
         let text = fs::read_to_string(&path).map_err(|error| format!("cannot read {}: {error}", path.display()))?;
         let instance = Instance::new(&text, token).map_err(|error| error.to_string())?;

@@ -97,12 +97,12 @@ pub unsafe extern "C" fn sonoglide_plant_step(
         }
         // SAFETY: guaranteed by the caller.
         let codes = unsafe { pointers::read(codes, *lanes * *samples) }?;
+        // SAFETY: guaranteed by the caller.
+        let (v, i) = unsafe { (pointers::write(v, *samples)?, pointers::write(i, *samples)?) };
         let capacity = drive.lanes.capacity();
         drive.lanes = codes.chunks(*samples).map(|lane| lane.iter().copied().collect()).take(capacity).collect();
         drive.listen = listen;
         playing.exchange(drive, sense);
-        // SAFETY: guaranteed by the caller.
-        let (v, i) = unsafe { (pointers::write(v, *samples)?, pointers::write(i, *samples)?) };
         v.copy_from_slice(&sense.v);
         i.copy_from_slice(&sense.i);
         // SAFETY: guaranteed by the caller.
@@ -110,6 +110,7 @@ pub unsafe extern "C" fn sonoglide_plant_step(
             *slow = SonoglideSlow {
                 has_counts: sense.slow.belt.is_some(),
                 counts: sense.slow.belt.map_or(0, |belt| belt.counts),
+                broken: sense.slow.belt.is_some_and(|belt| belt.broken),
                 force_n: sense.slow.force.unwrap_or(f32::NAN),
                 temperature_c: sense.slow.temperature.unwrap_or(f32::NAN),
             };

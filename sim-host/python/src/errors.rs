@@ -41,6 +41,11 @@ pub fn import_error(path: &Path, error: &import::error::ImportError) -> PyErr {
 
 /// Converts the error of a run without a result, with every cause.
 pub fn run_error(error: &(dyn Error + 'static)) -> PyErr {
+    RunError::new_err(with_causes(error))
+}
+
+/// Returns the text of an error with those of its causes.
+pub fn with_causes(error: &(dyn Error + 'static)) -> String {
     let causes = std::iter::successors(Some(error), |&error| error.source());
-    RunError::new_err(causes.map(ToString::to_string).collect::<Vec<_>>().join(": "))
+    causes.map(ToString::to_string).collect::<Vec<_>>().join(": ")
 }

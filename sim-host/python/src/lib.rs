@@ -19,6 +19,7 @@ mod scene;
 mod search;
 mod stepped;
 mod sweep;
+mod tools;
 mod vocabulary;
 
 /// The module `sonoglide._native`.
@@ -40,6 +41,8 @@ mod _native {
     use crate::stepped::{Controller, Plant, Telemetry};
     #[pymodule_export]
     use crate::sweep::Sweep;
+    #[pymodule_export]
+    use crate::tools::{advise, advise_amplifier, compare, spectrum, validate};
     #[pymodule_export]
     use crate::vocabulary::{explain, metrics, scenes};
 

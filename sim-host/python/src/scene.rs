@@ -17,6 +17,9 @@ use crate::interruptible;
 use crate::law::Law;
 use crate::result::Result;
 
+/// Shortest time between two reports of the progress.
+const PROGRESS_INTERVAL: Duration = Duration::from_millis(50);
+
 /// A valid scene. It is immutable: `changed` returns another one.
 #[pyclass(frozen, module = "sonoglide._native")]
 pub struct Scene {
@@ -104,7 +107,14 @@ impl Scene {
     /// Runs the scene, its grid and its comparison. With `output` it writes the folder as the
     /// command line does. `law` replaces the friction law of the contact: a function, and the
     /// values of its states at the start.
-    fn run(&self, py: Python<'_>, output: Option<PathBuf>, law: Option<(Py<PyAny>, Vec<f64>)>) -> PyResult<Result> {
+    /// `progress` is called with the simulated time, s, or the number of completed runs.
+    fn run(
+        &self,
+        py: Python<'_>,
+        output: Option<PathBuf>,
+        law: Option<(Py<PyAny>, Vec<f64>)>,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<Result> {
         let law = law.map(|(function, start)| Law::new(&self.loaded.scene, function, start)).transpose()?;
         let stop = AtomicBool::new(false);
         let ran = interruptible::run(py, &stop, || {
@@ -113,7 +123,23 @@ impl Scene {
                 .transpose()
                 .map_err(|error| run_error(&error))?;
             let law = law.as_ref().map(|law| law as &(dyn FrictionLaw + Sync));
-            let options = Options { stop: Some(&stop), clock: Some(clock), law, ..Options::default() };
+            let mut shown = clock();
+            let mut report = progress.map(|progress| {
+                move |reached: f64| {
+                    let now = clock();
+                    if now - shown < PROGRESS_INTERVAL {
+                        return;
+                    }
+                    shown = now;
+                    Python::attach(|py| {
+                        if let Err(error) = progress.call1(py, (reached,)) {
+                            error.write_unraisable(py, None);
+                        }
+                    });
+                }
+            });
+            let report = report.as_mut().map(|report| report as &mut (dyn FnMut(f64) + Send));
+            let options = Options { stop: Some(&stop), clock: Some(clock), law, progress: report, ..Options::default() };
             let began = clock();
             let study = study::run(&self.loaded, options).map_err(|error| run_error(&error))?;
             let took = clock() - began;

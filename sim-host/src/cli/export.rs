@@ -2,7 +2,7 @@
 
 use std::env::consts::{ARCH, DLL_PREFIX, DLL_SUFFIX, OS};
 use std::fs::{self, File};
-use std::io::Write;
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use clap::{Args, Subcommand};
@@ -12,6 +12,8 @@ use zip::write::{SimpleFileOptions, ZipWriter};
 use super::exit::{Exit, mistake};
 use super::{SceneArgs, print};
 
+/// Function that the library of a unit has.
+const ENTRY: &str = "fmi3InstantiateCoSimulation";
 /// Command that builds the library of a unit.
 const BUILD: &str = "cargo build --release -p sonoglide-embed";
 
@@ -21,7 +23,7 @@ pub(super) enum Export {
     /// Write a scene as a functional mock-up unit (FMI 3.0, co-simulation).
     ///
     /// The unit has the controller, the stack, the contact and the converters of the scene, and
-    /// advances in steps of 1 ms.
+    /// advances in steps of 1 ms; with --controller, the controller alone, in steps of one block.
     Fmu(FmuArgs),
 }
 
@@ -53,6 +55,9 @@ pub(super) fn run(export: &Export) -> anyhow::Result<Exit> {
     let library = fs::read(&path).map_err(|error| {
         mistake(Exit::Input, format!("cannot read the library of the unit, {}: {error}; `{BUILD}` makes it", path.display()))
     })?;
+    if !library.windows(ENTRY.len()).any(|bytes| bytes == ENTRY.as_bytes()) {
+        return Err(mistake(Exit::Input, format!("{} is not the library of a unit; `{BUILD}` makes it", path.display())));
+    }
     let folder = platform().ok_or_else(|| {
         mistake(Exit::Failed, format!("FMI 3.0 has no name for the platform {ARCH} with {OS}; none is exported"))
     })?;
@@ -85,14 +90,27 @@ fn platform() -> Option<String> {
     matches!(ARCH, "x86_64" | "aarch64").then(|| format!("{ARCH}-{system}"))
 }
 
-/// Writes an archive, complete or not at all.
-fn write(path: &Path, parts: &[(&str, &[u8])]) -> std::io::Result<()> {
-    let unfinished = path.with_extension("unfinished");
-    let mut archive = ZipWriter::new(File::create(&unfinished)?);
+/// Writes an archive to a file, complete or not at all.
+fn write(path: &Path, parts: &[(&str, &[u8])]) -> io::Result<()> {
+    // The file that a link names is replaced, not the link.
+    let path = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
+    if path.exists() && !path.is_file() {
+        return Err(io::Error::other("it is not a regular file"));
+    }
+    let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let unfinished = path.with_file_name(format!(".{name}.{}.unfinished", std::process::id()));
+    let written = archive(&unfinished, parts).and_then(|()| fs::rename(&unfinished, &path));
+    if written.is_err() {
+        let _ = fs::remove_file(&unfinished);
+    }
+    written
+}
+
+fn archive(path: &Path, parts: &[(&str, &[u8])]) -> io::Result<()> {
+    let mut archive = ZipWriter::new(File::create(path)?);
     for (name, bytes) in parts {
         archive.start_file(*name, SimpleFileOptions::default())?;
         archive.write_all(bytes)?;
     }
-    archive.finish()?.sync_all()?;
-    fs::rename(unfinished, path)
+    archive.finish()?.sync_all()
 }

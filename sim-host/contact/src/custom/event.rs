@@ -5,30 +5,65 @@
 
 use super::panel::{Equations, Panel};
 use crate::forcing::Forcing;
-use crate::radau::rule;
+use crate::radau::{STAGES, halfway, rule};
 
 /// Round-off of a margin, relative to its largest value in the interval.
 pub(super) const ROUND_OFF_REL: f64 = 1e-13;
+/// Largest margin that is left where an event was located, relative to its largest value.
+const LOCATED_REL: f64 = 1e-9;
 /// Number of places at the beginning of an interval at which the margin of the event before it may
 /// be wrong.
 const PLACES_OF_AN_EVENT: usize = 2;
 
-/// Returns the first event of an interval of a forcing: the part of the interval before it, and its
-/// number. `turned` is the event with which the interval began.
+/// Search of events in an interval.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Found {
+    /// No margin falls below zero.
+    Nothing,
+    /// A margin is not a number.
+    NotANumber,
+    /// A margin falls below zero: the part of the interval before it, and its number.
+    Event(f64, usize),
+}
+
+/// Returns `true` if the margin of an event is zero at the end of an interval, which was solved up
+/// to the event.
+pub(super) fn is_located(
+    equations: &Equations,
+    forcing: &Forcing,
+    (from_s, length_s): (f64, f64),
+    panel: &Panel,
+    which: usize,
+) -> bool {
+    let margin = |y: &[f64], at: f64| equations.margins(y, forcing.value(from_s + at * length_s))[which].abs();
+    let nodes = panel.values[1..].iter().zip(rule().at);
+    let size = nodes.fold(margin(&panel.values[0], 0.0), |size, (y, at)| size.max(margin(y, at)));
+    margin(&panel.values[STAGES], 1.0) <= LOCATED_REL * size
+}
+
+/// Returns the first event of an interval of a forcing. `turned` is the event with which the
+/// interval began.
 pub(super) fn first(
     equations: &Equations,
     forcing: &Forcing,
     (from_s, length_s): (f64, f64),
     panel: &Panel,
     turned: Option<usize>,
-) -> Option<(f64, usize)> {
+) -> Found {
     // The slip is the sum of these velocities, whose round-off it has.
     let speed = equations.problem.sliding_m_per_s.abs() + equations.scale.get(equations.states + 1).copied().unwrap_or(0.0);
-    let margins = |part: f64| equations.margins(&panel.value(part), forcing.value(from_s + part * length_s));
-    let places: Vec<f64> = std::iter::once(0.0).chain(rule().at).collect();
-    let halves = places.windows(2).flat_map(|pair| [0.5 * (pair[0] + pair[1]), pair[1]]);
-    let parts: Vec<f64> = std::iter::once(0.0).chain(halves).collect();
-    let all: Vec<Vec<f64>> = parts.iter().map(|part| margins(*part)).collect();
+    let (rule, halfway) = (rule(), halfway());
+    let at_part = |y: &[f64], part: f64| equations.margins(y, forcing.value(from_s + part * length_s));
+    let (mut parts, mut all) = (vec![0.0], vec![at_part(&panel.values[0], 0.0)]);
+    for node in 0..STAGES {
+        parts.extend([halfway.at[node], rule.at[node]]);
+        all.push(at_part(&panel.sum(&halfway.of_all[node]), halfway.at[node]));
+        all.push(at_part(&panel.values[node + 1], rule.at[node]));
+    }
+    if all.iter().flatten().any(|margin| margin.is_nan()) {
+        return Found::NotANumber;
+    }
+    let margins = |part: f64| at_part(&panel.sum(&rule.factors(part)), part);
     let events = (0..all[0].len()).filter_map(|which| {
         let size = all.iter().map(|margins| margins[which].abs()).fold(0.0, f64::max);
         let tolerated = ROUND_OFF_REL * size.max(if which == 0 { speed } else { 0.0 });
@@ -44,7 +79,8 @@ pub(super) fn first(
         let of = |part: f64| margins(part)[which];
         Some((root(of, (parts[before], all[before][which]), (parts[index], all[index][which])), which))
     });
-    events.min_by(|one, other| one.0.total_cmp(&other.0))
+    let first = events.min_by(|one, other| one.0.total_cmp(&other.0));
+    first.map_or(Found::Nothing, |(part, which)| Found::Event(part, which))
 }
 
 /// Returns the root of a function between a positive and a negative value, by regula falsi with

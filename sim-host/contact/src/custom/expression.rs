@@ -9,24 +9,21 @@
 //! usual priorities: `-v^2` is `-(v^2)`. Functions: `exp ln log10 sqrt cbrt sin cos tan asin acos
 //! atan sinh cosh tanh`, and `abs sign max min`.
 //!
-//! The last four have kinks or jumps, at which an integrator loses its order. They become switches:
-//! `sign(a)` is constant between two events, and its sign changes where `a` crosses zero. A relay
-//! is a switch with memory: it becomes one when its `on` rises above zero, and zero when its `off`
-//! does.
-//!
-//! The crate `exmex` evaluates the expressions and derives them.
+//! The last four have kinks or jumps, at which an integrator loses its order: each zero of their
+//! arguments is an event. `sign(a)` is constant between two events. A relay is a switch with
+//! memory: it becomes one when its `on` is above zero, and zero when its `off` is.
 
 mod parse;
+mod program;
 
 use std::collections::BTreeMap;
 
-use exmex::{Differentiate, Express, FlatEx};
-
 use super::{At, FrictionLaw, Partial};
-use parse::{Names, Parsed};
+use parse::Names;
+use program::Program;
 
 /// Largest number of names in one law.
-const MAX_NAMES: usize = 64;
+const MAX_NAMES: usize = 128;
 
 /// Texts and numbers of a law.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -60,12 +57,12 @@ pub struct ExpressionError {
 pub struct Expression {
     mu: f64,
     start: Vec<f64>,
-    rates: Vec<Function>,
-    force: Function,
+    rates: Vec<Program>,
+    force: Program,
     /// Arguments of `sign`, `abs`, `max` and `min`, in the order of their nesting.
-    arguments: Vec<Function>,
+    arguments: Vec<Program>,
     /// Conditions of the relays.
-    relays: Vec<(Function, Function)>,
+    relays: Vec<(Program, Program)>,
     /// Values of the parameters.
     parameters: Vec<f64>,
     places: Places,
@@ -88,50 +85,6 @@ const MU: usize = 3;
 const COULOMB: usize = 4;
 const FIRST_STATE: usize = 5;
 
-/// Expression with its derivatives.
-#[derive(Clone, Debug)]
-struct Function {
-    value: Evaluated,
-    /// Derivatives by variables; those that are missing are zero.
-    by: Vec<(usize, Evaluated)>,
-}
-
-/// Expression with the places of its variables.
-#[derive(Clone, Debug)]
-struct Evaluated {
-    expression: FlatEx<f64>,
-    variables: Vec<usize>,
-}
-
-impl Evaluated {
-    fn new(expression: FlatEx<f64>) -> Self {
-        // The names are places.
-        let variables = expression.var_names().iter().filter_map(|name| name.parse().ok()).collect();
-        Evaluated { expression, variables }
-    }
-
-    fn value(&self, values: &[f64]) -> f64 {
-        let mut own = [0.0; MAX_NAMES];
-        let own = &mut own[..self.variables.len()];
-        own.iter_mut().zip(&self.variables).for_each(|(own, place)| *own = values[*place]);
-        self.expression.eval(own).unwrap_or(f64::NAN)
-    }
-}
-
-impl Function {
-    /// Builds a function with its derivatives by the variables `by`.
-    fn new(text: &str, by: impl Fn(usize) -> bool) -> Result<Self, exmex::ExError> {
-        let value = Evaluated::new(FlatEx::parse(text)?);
-        let wanted = value.variables.iter().enumerate().filter(|(_, place)| by(**place));
-        let by = wanted.map(|(index, place)| Ok((*place, Evaluated::new(value.expression.clone().partial(index)?))));
-        Ok(Function { by: by.collect::<Result<_, exmex::ExError>>()?, value })
-    }
-
-    fn derivative(&self, place: usize, values: &[f64]) -> f64 {
-        self.by.iter().find(|(by, _)| *by == place).map_or(0.0, |(_, function)| function.value(values))
-    }
-}
-
 impl Expression {
     /// Builds a law from its texts.
     ///
@@ -140,33 +93,35 @@ impl Expression {
     pub fn new(source: &Source) -> Result<Self, ExpressionError> {
         let names = Names::new(source)?;
         let mut arguments = Vec::new();
-        let mut parsed = |key: String, text: &str, rates: bool| -> Result<(String, Parsed), ExpressionError> {
-            let parsed = parse::parse(text, &names, rates, &mut arguments);
-            let parsed = parsed.map_err(|message| ExpressionError { key: key.clone(), message })?;
-            Ok((key, parsed))
+        let mut parsed = |key: String, text: &str, with_rates: bool| {
+            parse::parse(text, &names, with_rates, &mut arguments).map_err(|message| ExpressionError { key, message })
         };
         let rates = source.rates.iter().map(|(state, text)| parsed(format!("rate.{state}"), text, false));
-        let rates: Vec<_> = rates.collect::<Result<_, _>>()?;
+        let rates: Vec<Program> = rates.collect::<Result<_, _>>()?;
         let force = parsed("force".to_owned(), &source.force, true)?;
         let relays = source.relays.iter().map(|(name, (on, off))| {
             Ok((parsed(format!("relay.{name}.on"), on, false)?, parsed(format!("relay.{name}.off"), off, false)?))
         });
-        let relays: Vec<_> = relays.collect::<Result<_, ExpressionError>>()?;
+        let relays: Vec<(Program, Program)> = relays.collect::<Result<_, ExpressionError>>()?;
         let places = names.places();
-        // The text is complete, so that a mistake here is in its form.
-        let by = |place: usize| place == SLIP || (FIRST_STATE..places.parameters).contains(&place);
-        let built = |(key, text): &(String, Parsed)| {
-            let error = |error: exmex::ExError| ExpressionError { key: key.clone(), message: error.to_string() };
-            Function::new(text, by).map_err(error)
-        };
-        let both = |(on, off): &((String, Parsed), (String, Parsed))| Ok((built(on)?, built(off)?));
+        // A mistyped name of a change would otherwise be one more parameter.
+        let of_relays = relays.iter().flat_map(|(on, off)| [on, off]);
+        let all: Vec<&Program> = rates.iter().chain([&force]).chain(of_relays).chain(&arguments).collect();
+        let named = (places.parameters..).zip(source.parameters.keys().map(|name| ("parameter", name)));
+        let relayed = (places.relays..).zip(source.relays.keys().map(|name| ("relay", name)));
+        for (place, (kind, name)) in named.chain(relayed) {
+            if !all.iter().any(|program| program.uses(place)) {
+                let message = format!("`{name}` is not used in any text of the law");
+                return Err(ExpressionError { key: format!("{kind}.{name}"), message });
+            }
+        }
         Ok(Expression {
             mu: source.mu,
             start: source.rates.keys().map(|state| source.start.get(state).copied().unwrap_or(0.0)).collect(),
-            rates: rates.iter().map(built).collect::<Result<_, _>>()?,
-            force: built(&force)?,
-            relays: relays.iter().map(both).collect::<Result<_, ExpressionError>>()?,
-            arguments: arguments.into_iter().map(|text| built(&("force".to_owned(), text))).collect::<Result<_, _>>()?,
+            rates,
+            force,
+            relays,
+            arguments,
             parameters: source.parameters.values().copied().collect(),
             places,
         })
@@ -195,22 +150,27 @@ impl FrictionLaw for Expression {
     fn rates(&self, at: &At, rates: &mut [f64]) -> f64 {
         let mut values = self.values(at);
         for ((rate, function), place) in rates.iter_mut().zip(&self.rates).zip(self.places.rates..) {
-            *rate = function.value.value(&values);
+            *rate = function.value(&values);
             values[place] = *rate;
         }
-        self.force.value.value(&values)
+        self.force.value(&values)
     }
 
     fn derivatives(&self, at: &At, partial: &mut Partial) -> bool {
         let (mut values, states) = (self.values(at), self.start.len());
         for (i, function) in self.rates.iter().enumerate() {
-            partial.rates_by_slip[i] = function.derivative(SLIP, &values);
             for j in 0..states {
                 partial.rates_by_states[i * states + j] = function.derivative(FIRST_STATE + j, &values);
             }
         }
+        if partial.is_motion_given {
+            return true;
+        }
+        for (i, function) in self.rates.iter().enumerate() {
+            partial.rates_by_slip[i] = function.derivative(SLIP, &values);
+        }
         for (function, place) in self.rates.iter().zip(self.places.rates..) {
-            values[place] = function.value.value(&values);
+            values[place] = function.value(&values);
         }
         // The force depends on the states also through their rates.
         let by_rates: Vec<f64> = (0..states).map(|i| self.force.derivative(self.places.rates + i, &values)).collect();
@@ -233,12 +193,12 @@ impl FrictionLaw for Expression {
     fn margin(&self, switch: usize, at: &At) -> f64 {
         let mut values = self.values(at);
         if let Some((on, off)) = self.relays.get(switch) {
-            return -if at.switches[switch] { off.value.value(&values) } else { on.value.value(&values) };
+            return -if at.switches[switch] { off.value(&values) } else { on.value(&values) };
         }
         for (function, place) in self.rates.iter().zip(self.places.rates..) {
-            values[place] = function.value.value(&values);
+            values[place] = function.value(&values);
         }
-        let argument = self.arguments[switch - self.relays.len()].value.value(&values);
+        let argument = self.arguments[switch - self.relays.len()].value(&values);
         if at.switches[switch] { argument } else { -argument }
     }
 }

@@ -2,20 +2,22 @@
 //! satisfies the equations of motion and friction at these points. Newton's method finds it.
 //!
 //! ```text
-//! y = (z, x, x')          internal states, displacement, and velocity if the motion is not given
+//! y = z, or (z, x, x')    internal states; displacement and velocity if the motion is not given
 //! m x'' = Fe - c x' - Ks x - F,   V = Vt + s x'                                 (4.14, 4.16)
 //! D u = h f(y0 + u)       u, change of y at the points; D, derivative of the polynomial
 //! ```
 //!
-//! The solution at the end has order 23. The error of the polynomial inside is judged by its two
-//! highest Chebyshev coefficients; that at the end is smaller.
+//! The solution at the end has order 23. The error inside is judged in two ways, of which the
+//! larger counts: by the highest Chebyshev coefficients of y and of the friction, and by the rates
+//! and the friction half-way between the points, which the polynomials through the points must
+//! meet.
 
 use nalgebra::{DMatrix, DVector};
 
 use super::{At, FrictionLaw, Partial};
 use crate::forcing::Forcing;
 use crate::problem::{Motion, Problem};
-use crate::radau::{STAGES, rule};
+use crate::radau::{STAGES, halfway, rule};
 
 /// Maximum number of Newton's steps.
 const MAX_STEPS: usize = 12;
@@ -40,6 +42,10 @@ pub(super) struct Equations<'a> {
     pub(super) switches: Vec<bool>,
     /// Largest size of each part of y so far.
     pub(super) scale: Vec<f64>,
+    /// Largest friction so far, N.
+    pub(super) largest_n: f64,
+    /// Largest length of an interval, s.
+    pub(super) most_s: f64,
 }
 
 /// Forces and velocities at one point.
@@ -59,6 +65,8 @@ pub(super) struct Point {
 pub(super) struct Panel {
     /// Values of y at the start and at the points.
     pub(super) values: Vec<Vec<f64>>,
+    /// Forces and velocities at the points.
+    pub(super) points: Vec<Point>,
     /// Error of the polynomial, relative to the size of each part.
     pub(super) error: f64,
 }
@@ -72,8 +80,8 @@ impl Equations<'_> {
         };
         let slip = self.problem.sliding_m_per_s + self.problem.sign.factor() * v;
         let force = self.law.rates(&self.at(&y[..self.states], slip), &mut rates[..self.states]);
-        rates[self.states] = v;
         if let Motion::Sdof { mass_kg, stiffness_n_per_m, damping_n_s_per_m } = self.problem.motion {
+            rates[self.states] = v;
             rates[self.states + 1] = (forcing - damping_n_s_per_m * v - stiffness_n_per_m * y[self.states] - force) / mass_kg;
         }
         Point { v_m_per_s: v, slip_m_per_s: slip, force_n: force, forcing }
@@ -104,8 +112,14 @@ impl Equations<'_> {
         for step in 0..MAX_STEPS {
             let mut matrix = DMatrix::<f64>::zeros(size, size);
             let mut side = DVector::<f64>::zeros(size);
+            let mut points = Vec::with_capacity(STAGES);
+            let mut all_rates = Vec::with_capacity(STAGES * parts);
             for (node, y) in values.iter().enumerate() {
-                self.point(y, forces[node], &mut rates);
+                points.push(self.point(y, forces[node], &mut rates));
+                all_rates.extend_from_slice(&rates);
+                if parts == 0 {
+                    continue;
+                }
                 self.jacobian(y, forces[node], &rates, &mut jacobian);
                 for i in 0..parts {
                     let row = node * parts + i;
@@ -120,23 +134,30 @@ impl Equations<'_> {
                     }
                 }
             }
-            let change = matrix.lu().solve(&side)?;
             let mut largest = vec![0.0f64; parts];
-            for (node, y) in values.iter_mut().enumerate() {
-                for (i, value) in y.iter_mut().enumerate() {
-                    let change = unit[i] * change[node * parts + i];
-                    *value += change;
-                    largest[i] = largest[i].max(change.abs());
+            if parts > 0 {
+                let change = matrix.lu().solve(&side)?;
+                for (node, y) in values.iter_mut().enumerate() {
+                    for (i, value) in y.iter_mut().enumerate() {
+                        let change = unit[i] * change[node * parts + i];
+                        *value += change;
+                        largest[i] = largest[i].max(change.abs());
+                    }
                 }
             }
             if !largest.iter().all(|change| change.is_finite()) {
                 return None;
             }
             let sizes = (0..parts).map(|i| self.size(i, y0, &values));
-            if step > 0 && largest.iter().zip(sizes).all(|(change, size)| *change <= SMALL_STEP * size) {
+            if (step > 0 || parts == 0) && largest.iter().zip(sizes).all(|(change, size)| *change <= SMALL_STEP * size) {
                 values.insert(0, y0.to_vec());
-                let error = self.error(&values);
-                return Some(Panel { values, error });
+                let mut panel = Panel { values, points, error: 0.0 };
+                // An error of the friction counts by the part of the mean that the interval has.
+                let share = (length_s / self.most_s).min(1.0);
+                let (rates, friction) = self.halfway_errors(&panel, &all_rates, forcing, (from_s, length_s));
+                let of_force = larger(self.force_error(&panel.points), friction);
+                panel.error = larger(self.error(&panel.values), larger(rates, share * of_force));
+                return panel.error.is_finite().then_some(panel);
             }
         }
         None
@@ -151,7 +172,11 @@ impl Equations<'_> {
     fn jacobian(&self, y: &[f64], forcing: f64, rates: &[f64], jacobian: &mut [f64]) {
         let (states, parts) = (self.states, y.len());
         jacobian.fill(0.0);
-        let partial = self.partial(y, forcing, rates);
+        let mut partial = self.partial(y, forcing, rates);
+        // A root has an infinite derivative at zero; without it, Newton's method is only slower.
+        let Partial { rates_by_states, rates_by_slip, force_by_states, force_by_slip, .. } = &mut partial;
+        let all = rates_by_states.iter_mut().chain(rates_by_slip).chain(force_by_states).chain([force_by_slip]);
+        all.filter(|derivative| !derivative.is_finite()).for_each(|derivative| *derivative = 0.0);
         for i in 0..states {
             jacobian[i * parts..i * parts + states].copy_from_slice(&partial.rates_by_states[i * states..(i + 1) * states]);
         }
@@ -170,6 +195,7 @@ impl Equations<'_> {
     fn partial(&self, y: &[f64], forcing: f64, rates: &[f64]) -> Partial {
         let states = self.states;
         let mut partial = Partial::new(states);
+        partial.is_motion_given = self.problem.motion == Motion::Kinematic;
         let v = if self.problem.motion == Motion::Kinematic { forcing } else { y[states + 1] };
         let slip = self.problem.sliding_m_per_s + self.problem.sign.factor() * v;
         if self.law.derivatives(&self.at(&y[..states], slip), &mut partial) {
@@ -215,19 +241,56 @@ impl Equations<'_> {
         };
         (0..values[0].len()).map(of_part).fold(0.0, f64::max)
     }
+
+    /// Returns the error of the polynomial through the friction at the points, relative to the
+    /// largest friction: the force of a law without states has no other error.
+    fn force_error(&self, points: &[Point]) -> f64 {
+        let rule = rule();
+        let weights = rule.barycentric[1..].iter().zip(rule.at);
+        let highest: f64 = weights.zip(points).map(|((weight, at), point)| weight * at * point.force_n).sum();
+        let size = points.iter().fold(self.largest_n, |size, point| size.max(point.force_n.abs()));
+        if highest == 0.0 { 0.0 } else { 0.5f64.powi(2 * STAGES as i32 - 3) * highest.abs() / size }
+    }
+}
+
+impl Equations<'_> {
+    /// Returns the largest difference between the rates half-way between the points and the
+    /// polynomials through those at the points, and the same of the friction.
+    fn halfway_errors(&self, panel: &Panel, rates: &[f64], forcing: &Forcing, (from_s, length_s): (f64, f64)) -> (f64, f64) {
+        let (halfway, parts) = (halfway(), panel.values[0].len());
+        let sizes: Vec<f64> = (0..parts).map(|i| self.size(i, &panel.values[0], &panel.values)).collect();
+        let largest_n = panel.points.iter().fold(self.largest_n, |size, point| size.max(point.force_n.abs()));
+        let mut found = vec![0.0; parts];
+        let (mut of_rates, mut of_friction) = (0.0f64, 0.0f64);
+        // The first place is outside of the points.
+        for place in 1..STAGES {
+            let y = panel.sum(&halfway.of_all[place]);
+            let point = self.point(&y, forcing.value(from_s + halfway.at[place] * length_s), &mut found);
+            let factors = &halfway.of_nodes[place];
+            let friction_n: f64 = factors.iter().zip(&panel.points).map(|(factor, point)| factor * point.force_n).sum();
+            if friction_n != point.force_n {
+                of_friction = larger(of_friction, (friction_n - point.force_n).abs() / largest_n);
+            }
+            for i in 0..parts {
+                let expected: f64 = factors.iter().enumerate().map(|(node, factor)| factor * rates[node * parts + i]).sum();
+                if expected != found[i] {
+                    of_rates = larger(of_rates, length_s * (expected - found[i]).abs() / sizes[i]);
+                }
+            }
+        }
+        (of_rates, of_friction)
+    }
+}
+
+/// Returns the larger of two errors, or NaN if one is not a number.
+fn larger(a: f64, b: f64) -> f64 {
+    if b.is_nan() || b > a { b } else { a }
 }
 
 impl Panel {
-    /// Returns y after a part of the interval, 0 to 1.
-    pub(super) fn value(&self, part: f64) -> Vec<f64> {
-        let rule = rule();
-        let places = || std::iter::once(0.0).chain(rule.at);
-        if let Some(index) = places().position(|at| at == part) {
-            return self.values[index].clone();
-        }
-        let weights: Vec<f64> = rule.barycentric.iter().zip(places()).map(|(weight, at)| weight / (part - at)).collect();
-        let sum: f64 = weights.iter().sum();
-        let of_part = |i: usize| weights.iter().zip(&self.values).map(|(weight, y)| weight * y[i]).sum::<f64>() / sum;
+    /// Returns the sum of y at the start and the points by factors.
+    pub(super) fn sum(&self, factors: &[f64]) -> Vec<f64> {
+        let of_part = |i: usize| factors.iter().zip(&self.values).map(|(factor, y)| factor * y[i]).sum();
         (0..self.values[0].len()).map(of_part).collect()
     }
 }

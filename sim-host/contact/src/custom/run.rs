@@ -3,11 +3,12 @@
 //! An interval with an event is solved again up to the event, so that none contains a jump.
 
 use super::FrictionLaw;
-use super::event::{self, ROUND_OFF_REL};
+use super::event::{self, Found, ROUND_OFF_REL};
 use super::panel::{Equations, Panel, Point};
 use crate::SolveError;
+use crate::forcing::Forcing;
 use crate::problem::{Motion, Problem};
-use crate::radau::rule;
+use crate::radau::{STAGES, rule};
 use crate::tally::{Meter, State, Tally, Totals};
 use crate::timeline::{Stretch, Timeline};
 
@@ -20,13 +21,20 @@ const LENGTH_FACTORS: (f64, f64) = (0.2, 3.0);
 const SAFETY: f64 = 0.9;
 /// Smallest length of an interval, periods.
 const MIN_LENGTH_PERIODS: f64 = 1e-12;
-/// Number of events without progress in time at which the law counts as chattering.
-const MAX_EVENTS_AT_ONCE: u32 = 16;
+/// Number of events without progress in time, for each switch and the slip, at which the law counts
+/// as chattering.
+const MAX_EVENTS_AT_ONCE: u32 = 8;
+/// Largest number of attempts to locate an event.
+const MAX_LOCATIONS: u32 = 12;
+/// Part of an interval that counts as its end.
+const PART_TOLERANCE: f64 = 1e-9;
+/// Number of intervals per period at least, in the coarser run.
+pub(super) const MIN_INTERVALS_PER_PERIOD: f64 = 16.0;
 /// Minimum number of states per period that an observer receives.
 const SEEN_PER_PERIOD: f64 = 96.0;
 
 /// State at the beginning of a run.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) struct Start {
     /// Internal states.
     pub(super) states: Vec<f64>,
@@ -52,9 +60,40 @@ pub(super) struct Ran {
     pub(super) events: u64,
 }
 
+/// Attempt at an interval.
+enum Tried {
+    /// Solved, without an event.
+    Solved(Panel),
+    /// Solved up to a length, s, with the event at its end; no interval, if the event is at once.
+    UpTo(f64, Option<Panel>, Option<usize>),
+    /// The error is too large: the length to try next, s.
+    TooLong(f64),
+}
+
+/// Creates the error of a law that is not a number.
+fn not_a_number(time_s: f64) -> SolveError {
+    let reason = format!("at {time_s:e} s the force, a rate or a condition of the law is not a finite number");
+    SolveError::Unsuited { method: METHOD, reason }
+}
+
+/// Creates the error of an event that repeats without an end.
+fn endless(which: usize, time_s: f64) -> SolveError {
+    let why = if which == 0 {
+        "its force changes its sign with the slip, and no internal state holds the contact while it sticks"
+    } else {
+        "the `on` and the `off` of a relay are above zero at once, or the argument of a function with a kink stays at zero"
+    };
+    SolveError::Unsuited { method: METHOD, reason: format!("at {time_s:e} s the law jumps to and fro without an end: {why}") }
+}
+
+/// Observer of the states.
+type Seen<'a> = Option<&'a mut dyn FnMut(&State)>;
+
 struct Run<'a> {
     equations: Equations<'a>,
     y: Vec<f64>,
+    /// Displacement, m.
+    x_m: f64,
     /// Largest error of an interval, relative to the size of each part.
     tolerance: f64,
     period_s: f64,
@@ -68,16 +107,16 @@ struct Run<'a> {
 }
 
 /// Runs a problem; each interval has at most the error `tolerance`, relative to the largest value
-/// of each part of the state so far.
+/// of each part of the state and of the friction so far, and a period has at least `intervals`.
 pub(super) fn run(
     problem: &Problem,
     law: &dyn FrictionLaw,
     start: &Start,
-    tolerance: f64,
+    (tolerance, intervals): (f64, f64),
     pause: &dyn Fn(),
     mut watch: Option<&mut dyn FnMut(&State)>,
 ) -> Result<Ran, SolveError> {
-    let mut run = Run::new(problem, law, start, tolerance);
+    let mut run = Run::new(problem, law, start, (tolerance, intervals));
     let mut meter = Meter::new(true);
     let mut state = problem.start;
     for stretch in Timeline::new(problem) {
@@ -90,25 +129,22 @@ pub(super) fn run(
         let mut at_s = 0.0;
         while at_s < stretch.length_s {
             pause();
-            at_s = run.advance(&stretch, at_s, &mut meter, &mut |seen| {
-                state = *seen;
-                if let Some(watch) = &mut watch {
-                    watch(seen);
-                }
-            })?;
+            at_s = run.advance(&stretch, at_s, &mut meter, &mut watch)?;
         }
+        state = run.state(&stretch, stretch.length_s);
     }
     let tally = meter.finish(&state, run.equations.coulomb_n);
     Ok(Ran { tally, end: run.end(), intervals: run.intervals, events: run.events })
 }
 
 impl<'a> Run<'a> {
-    fn new(problem: &'a Problem, law: &'a dyn FrictionLaw, start: &Start, tolerance: f64) -> Self {
+    fn new(problem: &'a Problem, law: &'a dyn FrictionLaw, start: &Start, (tolerance, intervals): (f64, f64)) -> Self {
         let mut y = start.states.clone();
-        y.push(start.x_m);
         if problem.motion != Motion::Kinematic {
-            y.push(start.v_m_per_s);
+            y.extend([start.x_m, start.v_m_per_s]);
         }
+        let period_s = 1.0 / problem.waveform.frequency_hz();
+        let most_s = period_s / intervals;
         let equations = Equations {
             law,
             problem,
@@ -117,17 +153,28 @@ impl<'a> Run<'a> {
             sign: 1.0,
             switches: start.switches.clone(),
             scale: vec![0.0; y.len()],
+            largest_n: 0.0,
+            most_s,
         };
-        let period_s = 1.0 / problem.waveform.frequency_hz();
-        let length_s = period_s / 16.0;
-        Run { equations, y, tolerance, period_s, length_s, events_at_once: 0, turned: None, intervals: 0, events: 0 }
+        Run {
+            equations,
+            y,
+            x_m: start.x_m,
+            tolerance,
+            period_s,
+            length_s: most_s,
+            events_at_once: 0,
+            turned: None,
+            intervals: 0,
+            events: 0,
+        }
     }
 
     fn end(&self) -> Start {
         let states = self.equations.states;
         Start {
             states: self.y[..states].to_vec(),
-            x_m: self.y[states],
+            x_m: self.x_m,
             v_m_per_s: self.y.get(states + 1).copied().unwrap_or_default(),
             switches: self.equations.switches.clone(),
         }
@@ -139,7 +186,12 @@ impl<'a> Run<'a> {
         let margin = self.equations.margins(&self.y, forcing)[0];
         let size = self.equations.problem.sliding_m_per_s.abs() + forcing.abs();
         let speed = if self.equations.problem.motion == Motion::Kinematic { size } else { 0.0 };
-        if margin < -ROUND_OFF_REL * speed {
+        if self.equations.problem.motion == Motion::Kinematic && stands_still(&stretch.forcing, size) {
+            self.equations.sign = 0.0;
+        } else if self.equations.sign == 0.0 {
+            self.equations.sign = 1.0;
+            return self.enter(stretch);
+        } else if margin < -ROUND_OFF_REL * speed {
             self.equations.sign = -self.equations.sign;
         }
         self.grow();
@@ -151,82 +203,99 @@ impl<'a> Run<'a> {
     }
 
     fn state(&self, stretch: &Stretch, at_s: f64) -> State {
-        self.state_of(&self.y, stretch, at_s).0
+        self.state_of(&self.y, self.x_m, stretch, at_s)
     }
 
-    fn state_of(&self, y: &[f64], stretch: &Stretch, at_s: f64) -> (State, Point) {
+    fn state_of(&self, y: &[f64], x_m: f64, stretch: &Stretch, at_s: f64) -> State {
         let mut rates = vec![0.0; y.len()];
         let point = self.equations.point(y, stretch.forcing.value(at_s), &mut rates);
-        let x_m = y[self.equations.states];
-        (State { time_s: stretch.start_s + at_s, x_m, v_m_per_s: point.v_m_per_s, force_n: point.force_n }, point)
+        State { time_s: stretch.start_s + at_s, x_m, v_m_per_s: point.v_m_per_s, force_n: point.force_n }
     }
 
     /// Advances by one interval from `at_s` of a stretch, and returns its end.
-    fn advance(
-        &mut self,
-        stretch: &Stretch,
-        at_s: f64,
-        meter: &mut Meter,
-        seen: &mut dyn FnMut(&State),
-    ) -> Result<f64, SolveError> {
+    fn advance(&mut self, stretch: &Stretch, at_s: f64, meter: &mut Meter, seen: &mut Seen) -> Result<f64, SolveError> {
         let rest_s = stretch.length_s - at_s;
-        let diverged = || SolveError::Diverged { method: METHOD, time_s: stretch.start_s + at_s };
-        let (mut length_s, panel) = loop {
+        let (length_s, panel, event) = loop {
             let is_last = self.length_s > (1.0 - 1e-9) * rest_s;
             let length_s = if is_last { rest_s } else { self.length_s };
-            let panel = self.equations.solve(&stretch.forcing, (at_s, length_s), &self.y);
-            if let Some(panel) = panel {
-                let ratio = self.tolerance / panel.error.max(f64::MIN_POSITIVE);
-                let factor = (SAFETY * ratio.powf(1.0 / ORDER)).clamp(LENGTH_FACTORS.0, LENGTH_FACTORS.1);
-                if ratio >= 1.0 || length_s < self.smallest_s() {
+            match self.try_interval(stretch, (at_s, length_s))? {
+                Tried::Solved(panel) => {
                     // The end of a stretch does not shorten the intervals after it.
                     if !is_last {
-                        self.length_s = length_s * factor;
+                        self.length_s = length_s * self.factor(panel.error);
                     }
-                    break (length_s, panel);
+                    break (length_s, Some(panel), None);
                 }
-                self.length_s = length_s * factor.min(SAFETY);
-            } else {
-                self.length_s = LENGTH_FACTORS.0 * length_s;
+                Tried::UpTo(length_s, panel, event) => break (length_s, panel, event),
+                Tried::TooLong(shorter_s) => self.length_s = shorter_s,
             }
+            self.length_s = self.length_s.min(self.equations.most_s);
             if self.length_s < self.smallest_s() {
-                return Err(diverged());
+                return Err(SolveError::Diverged { method: METHOD, time_s: stretch.start_s + at_s });
             }
         };
-        let event = event::first(&self.equations, &stretch.forcing, (at_s, length_s), &panel, self.turned);
-        let panel = match event {
-            None => Some(panel),
-            Some((part, _)) if part * length_s < self.smallest_s() => None,
-            Some((part, _)) => {
-                length_s *= part;
-                Some(self.equations.solve(&stretch.forcing, (at_s, length_s), &self.y).ok_or_else(diverged)?)
-            }
-        };
+        self.length_s = self.length_s.min(self.equations.most_s);
         let mut end_s = at_s;
         if let Some(panel) = panel {
             if !self.take(stretch, (at_s, length_s), &panel, meter, seen) {
-                return Err(diverged());
+                return Err(not_a_number(stretch.start_s + at_s));
             }
-            end_s = if event.is_none() && length_s == rest_s { stretch.length_s } else { at_s + length_s };
+            end_s = if length_s == rest_s { stretch.length_s } else { at_s + length_s };
             self.events_at_once = 0;
             self.turned = None;
         }
-        if let Some((_, which)) = event {
+        if let Some(which) = event {
             self.turn(which, meter);
             self.events_at_once += 1;
-            if self.events_at_once > MAX_EVENTS_AT_ONCE {
-                return Err(SolveError::Unsuited {
-                    method: METHOD,
-                    reason: format!(
-                        "at {:e} s the law jumps to and fro without an end: its force changes its sign with the slip, and no \
-                         internal state holds the contact while it sticks",
-                        stretch.start_s + at_s
-                    ),
-                });
+            if self.events_at_once > MAX_EVENTS_AT_ONCE * (1 + self.equations.switches.len() as u32) {
+                return Err(endless(which, stretch.start_s + at_s));
             }
         }
         self.grow();
         Ok(end_s)
+    }
+
+    /// Tries an interval. With an event in it, the interval is solved again up to the event.
+    fn try_interval(&self, stretch: &Stretch, (at_s, length_s): (f64, f64)) -> Result<Tried, SolveError> {
+        let mut length_s = length_s;
+        let mut located = None;
+        for _ in 0..MAX_LOCATIONS {
+            let Some(panel) = self.equations.solve(&stretch.forcing, (at_s, length_s), &self.y) else {
+                return Ok(Tried::TooLong(LENGTH_FACTORS.0 * length_s));
+            };
+            match event::first(&self.equations, &stretch.forcing, (at_s, length_s), &panel, self.turned) {
+                Found::NotANumber => return Err(not_a_number(stretch.start_s + at_s)),
+                Found::Event(part, which) if part * length_s < self.smallest_s() => {
+                    return Ok(Tried::UpTo(0.0, None, Some(which)));
+                }
+                Found::Event(part, which) if part < 1.0 - PART_TOLERANCE => {
+                    located = Some(which);
+                    length_s *= part;
+                    continue;
+                }
+                Found::Event(_, which) => located = Some(which),
+                Found::Nothing => {}
+            }
+            if panel.error > self.tolerance && length_s > self.smallest_s() {
+                return Ok(Tried::TooLong(length_s * self.factor(panel.error).min(SAFETY)));
+            }
+            let place = (at_s, length_s);
+            let is_at_end = |which: &usize| event::is_located(&self.equations, &stretch.forcing, place, &panel, *which);
+            return Ok(match located {
+                None => Tried::Solved(panel),
+                Some(_) => {
+                    let event = located.filter(is_at_end);
+                    Tried::UpTo(length_s, Some(panel), event)
+                }
+            });
+        }
+        Ok(Tried::TooLong(LENGTH_FACTORS.0 * length_s))
+    }
+
+    /// Returns the factor from the length of an interval to the one that its error permits.
+    fn factor(&self, error: f64) -> f64 {
+        let ratio = self.tolerance / error.max(f64::MIN_POSITIVE);
+        (SAFETY * ratio.powf(1.0 / ORDER)).clamp(LENGTH_FACTORS.0, LENGTH_FACTORS.1)
     }
 
     fn smallest_s(&self) -> f64 {
@@ -259,36 +328,59 @@ impl<'a> Run<'a> {
         (from_s, length_s): (f64, f64),
         panel: &Panel,
         meter: &mut Meter,
-        seen: &mut dyn FnMut(&State),
+        seen: &mut Seen,
     ) -> bool {
         self.intervals += 1;
-        let rule = rule();
-        let problem = self.equations.problem;
-        let mut rates = vec![0.0; self.y.len()];
-        for ((y, at), weight) in panel.values[1..].iter().zip(rule.at).zip(rule.weight) {
-            let point = self.equations.point(y, stretch.forcing.value(from_s + at * length_s), &mut rates);
-            add(&mut meter.totals, problem, (y[self.equations.states], &point), weight * length_s);
-            for (scale, y) in self.equations.scale.iter_mut().zip(y) {
-                *scale = scale.max(y.abs());
-            }
+        let (rule, problem) = (rule(), self.equations.problem);
+        // Of a given motion, the displacement is an integral.
+        let from_m = self.x_m;
+        let velocities: Vec<f64> = panel.points.iter().map(|point| point.v_m_per_s).collect();
+        let travelled = |factors: &[f64; STAGES]| factors.iter().zip(&velocities).map(|(factor, v)| factor * v).sum::<f64>();
+        let x_m = |node: usize| match problem.motion {
+            Motion::Kinematic => from_m + length_s * travelled(&rule.integral[node]),
+            Motion::Sdof { .. } => panel.values[node + 1][self.equations.states],
+        };
+        let displacements: Vec<f64> = std::iter::once(from_m).chain((0..STAGES).map(x_m)).collect();
+        for (node, (y, point)) in panel.values[1..].iter().zip(&panel.points).enumerate() {
+            add(&mut meter.totals, problem, (displacements[node + 1], point), rule.weight[node] * length_s);
+            self.equations.largest_n = self.equations.largest_n.max(point.force_n.abs());
+            self.equations.scale.iter_mut().zip(y).for_each(|(scale, y)| *scale = scale.max(y.abs()));
         }
         let gap = self.period_s / SEEN_PER_PERIOD;
         let mut before = 0.0;
-        for at in rule.at {
-            let parts = ((at - before) * length_s / gap).ceil().max(1.0) as u32;
-            for part in 1..=parts {
-                let place = if part == parts { at } else { before + (at - before) * f64::from(part) / f64::from(parts) };
-                let (state, _) = self.state_of(&panel.value(place), stretch, from_s + place * length_s);
-                meter.step(&state, state.force_n / self.equations.coulomb_n);
-                seen(&state);
+        for (node, at) in rule.at.into_iter().enumerate() {
+            let parts = if seen.is_some() { ((at - before) * length_s / gap).ceil().max(1.0) as u32 } else { 1 };
+            for part in 1..parts {
+                let place = before + (at - before) * f64::from(part) / f64::from(parts);
+                let factors = rule.factors(place);
+                let x_m = factors.iter().zip(&displacements).map(|(factor, x_m)| factor * x_m).sum();
+                let state = self.state_of(&panel.sum(&factors), x_m, stretch, from_s + place * length_s);
+                self.show(&state, meter, seen);
             }
+            let point = &panel.points[node];
+            let time_s = stretch.start_s + from_s + at * length_s;
+            let state = State { time_s, x_m: displacements[node + 1], v_m_per_s: point.v_m_per_s, force_n: point.force_n };
+            self.show(&state, meter, seen);
             before = at;
         }
+        self.x_m = displacements[STAGES];
         if let Some(end) = panel.values.last() {
             self.y.clone_from(end);
         }
         meter.totals.friction_n_s.is_finite()
     }
+
+    fn show(&self, state: &State, meter: &mut Meter, seen: &mut Seen) {
+        meter.step(state, state.force_n / self.equations.coulomb_n);
+        if let Some(seen) = seen {
+            seen(state);
+        }
+    }
+}
+
+/// Returns `true` if a given motion does not slide; friction then has no direction.
+fn stands_still(forcing: &Forcing, size: f64) -> bool {
+    size == 0.0 && matches!(forcing, Forcing::Line { slope: 0.0, .. })
 }
 
 /// Adds the forces and powers at one point, over a time.

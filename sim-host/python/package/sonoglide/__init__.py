@@ -17,11 +17,13 @@ from ._native import LinkError, MeasurementError, RunError, SceneError, Telemetr
 from ._result import Expectation, Figure, Result, Signal, Signals, Table
 from ._scene import Law, Scene, metrics
 from ._sweep import Sweep
+from ._tools import Compared, Spectrogram, Suite, compare, spectrum, validate
 
 __all__ = [
     "Admittance",
     "Answer",
     "Board",
+    "Compared",
     "Conditions",
     "Contact",
     "Controller",
@@ -43,15 +45,20 @@ __all__ = [
     "Signal",
     "Signals",
     "Slow",
+    "Spectrogram",
     "Stated",
+    "Suite",
     "Sweep",
     "Table",
     "Telemetry",
     "__version__",
+    "compare",
     "explain",
     "import_admittance",
     "import_conditions",
     "import_friction",
     "metrics",
     "scenes",
+    "spectrum",
+    "validate",
 ]

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from . import _native
 from ._changes import Value, changes
+from ._progress import Bar, advancing
 from ._result import Result
 from ._sweep import Sweep, Values, run
 
@@ -94,16 +95,38 @@ class Scene:
         tree: dict[str, Any] = json.loads(self._native.to_json())
         return tree
 
-    def run(self, output: str | os.PathLike[str] | None = None, *, law: Law | None = None) -> Result:
+    def run(self, output: str | os.PathLike[str] | None = None, *, law: Law | None = None, progress: Bar | None = None) -> Result:
         """Runs the scene, with its grid and its comparison.
 
         With `output` it also writes the folder of files that `sim-host run -o` writes: manifest, summary, traces, figures, report. Other Python threads
         continue meanwhile, and Ctrl-C ends the run. Raises `RunError` if there is no result.
 
         `law` is a friction law of your own in place of that of a contact study; `mu` and normal force remain those of the scene.
+        `progress` is a bar, such as `tqdm.tqdm()`: its `total` is the simulated time in seconds, or the number of runs.
         """
         own = None if law is None else (law.rates, [float(value) for value in law.start])
-        return Result(self._native.run(None if output is None else os.fspath(output), own))
+        moves = None
+        if progress is not None:
+            tree = self.to_dict()
+            moves = advancing(progress, tree["runs"] if tree.get("runs", 1) > 1 else tree.get("duration_s", 1))
+        result = Result(self._native.run(None if output is None else os.fspath(output), own, moves))
+        if moves is not None and progress is not None:
+            moves(progress.total)
+        return result
+
+    def advise(self, *, volts: float | None = None, noise_lsb: float | None = None, block_samples: int | None = None) -> dict[str, Any]:
+        """Recommends settings for the transducer of the scene, as `sim-host advise`: `["settings"]["snippet"]` is TOML for a scene."""
+        advice: dict[str, Any] = json.loads(_native.advise(self._native, volts, noise_lsb, block_samples))
+        return advice
+
+    def advise_amplifier(
+        self, *, volts: float | None = None, tip_m_per_s: float | None = None, tip_m: float | None = None
+    ) -> dict[str, Any]:
+        """Computes volts, amperes and power for a peak tip velocity, m/s, or displacement, m, as `sim-host advise --amplifier`."""
+        if tip_m_per_s is not None and tip_m is not None:
+            raise ValueError("give a tip velocity or a tip displacement, not both")
+        advice: dict[str, Any] = json.loads(_native.advise_amplifier(self._native, volts, tip_m_per_s, tip_m))
+        return advice
 
     def sweep(
         self,
@@ -115,6 +138,7 @@ class Scene:
         output: str | os.PathLike[str] | None = None,
         jobs: int | None = None,
         client: Client | None = None,
+        progress: Bar | None = None,
     ) -> Sweep:
         """Runs the scene at many points, in parallel.
 
@@ -125,9 +149,11 @@ class Scene:
         `output` is the folder of the sweep, as made by `sim-host sweep -o`: an interrupted sweep continues there. Without it the folder is deleted with the
         result. `jobs` is the number of threads. With a Dask `client` the points run on its cluster, and the result is the same, byte for byte.
 
+        `progress` is a bar, such as `tqdm.tqdm()`, of points; it does not move with a `client`.
+
         A point without a result has NaN for its metrics, and its reason is in `failures`. Raises `SceneError` for an unknown key or metric.
         """
-        return run(self._native, over or {}, metrics, (draws, points), None if output is None else os.fspath(output), jobs, client)
+        return run(self._native, over or {}, metrics, (draws, points), None if output is None else os.fspath(output), jobs, client, progress)
 
     def solve(self, target: Mapping[str, float], by: Mapping[str, str], *, metrics: Sequence[str] = ()) -> dict[str, Any]:
         """Finds the values of a key at which a metric has a value, as `sim-host solve`.

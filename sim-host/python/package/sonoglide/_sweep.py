@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 
 from . import _native
+from ._progress import Bar, watched
 
 if TYPE_CHECKING:
     import pandas
@@ -102,6 +103,7 @@ def run(
     output: str | None,
     jobs: int | None,
     client: Client | None,
+    progress: Bar | None,
 ) -> Sweep:
     """Runs a sweep into its folder, locally or on a cluster, and reads it."""
     draws, points = sampled
@@ -114,7 +116,8 @@ def run(
     scratch = None if output else tempfile.TemporaryDirectory(prefix="sonoglide-sweep-")
     folder = output or (scratch.name if scratch else "")
     if client is None:
-        sweep.run(folder, jobs or 0)
+        with watched(progress, sweep.count, lambda: sweep.done):
+            sweep.run(folder, jobs or 0)
     else:
         from ._dask import run_on
 

@@ -30,7 +30,8 @@ pub struct Contact {
     /// A contact with constant stiffness in both directions, under vibration across the surface.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub compliant: Option<Compliant>,
-    /// A friction law of your own, as text.
+    /// A friction law of your own, as text; [Extend it](extend.md) explains the names and
+    /// functions.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub expression: Option<Expression>,
     /// A fitted law of a seat belt under vibration across it.

@@ -87,6 +87,10 @@ pub(crate) fn overlay(under: &mut Node, over: Node, path: &str, problems: &mut V
         // A distribution is replaced as a whole, like the number that it describes.
         (Value::Table(below), Value::Table(above)) if !is_distribution(path) => {
             remove_excluded(below, &above, path);
+            // The states of a law belong to its force.
+            if path == "contact.expression" && ["mu", "force"].iter().all(|key| above.contains_key(*key)) {
+                below.clear();
+            }
             for (name, entry) in above {
                 let path = join(path, &name);
                 if is_none(&path, &entry.node.value) || is_removed(&path, &entry.node.value) {

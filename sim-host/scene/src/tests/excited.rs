@@ -243,6 +243,15 @@ relay.held = { on = "z", off = "-z" }
     refused("integrator.method=linexp", &["linexp", "solved only by collocation", "1 problem"]);
     refused("integrator.tolerance_of=record", &["only the mean has a tolerance"]);
     refused("excitation.angle_deg=5", &["one direction of slip"]);
+    refused("excitation.friction0_n=1", &["begins with the states"]);
+    refused("contact.expression.parameter.typo=1", &["`typo` is not used in any text"]);
+    // A whole law replaces that of the base, with its states; a part of one does not.
+    let part = ["contact.expression.force=\"2*k_n_per_m*z\""];
+    let part = load_text("a.toml", &text, &sets(&part)).unwrap_or_else(|error| panic!("{error}")).scene;
+    assert_eq!(part.contact.unwrap().expression.unwrap().rate.len(), 1);
+    let whole = ["contact.expression={ mu = 0.2, normal_n = 5, force = \"Fc*sign(v)\" }"];
+    let whole = load_text("a.toml", &text, &sets(&whole)).unwrap_or_else(|error| panic!("{error}")).scene;
+    assert!(whole.contact.unwrap().expression.unwrap().rate.is_empty());
     refused("contact.expression.mu=0", &["`contact.expression.mu` is 0"]);
     assert!(load_text("a.toml", &text, &sets(&["integrator.method=collocation"])).is_ok());
     // A name that a user chooses is not looked for in other tables.

@@ -10,7 +10,13 @@ use crate::run::RunError;
 use crate::stepping::{Coupled, OrderError, Stepping};
 
 /// Largest relative difference of a step from the fixed one.
-const STEP_TOLERANCE_REL: f64 = 1e-9;
+const STEP_TOLERANCE_REL: f64 = 1e-6;
+/// Round-off of a time, relative.
+const TIME_TOLERANCE_REL: f64 = 1e-15;
+/// Largest load, N.
+const MAX_LOAD_N: f64 = 1e6;
+/// Largest sliding speed, m/s.
+const MAX_SPEED_M_PER_S: f64 = 1e3;
 /// Reference of the time.
 const TIME: u32 = 0;
 /// Part of a block by which a step may end early: round-off of the time.
@@ -36,6 +42,17 @@ pub enum StepError {
         /// Step of the unit, s.
         fixed: f64,
     },
+    /// The step does not begin at the end of the last one.
+    #[error("a step from {given} s: the last one ended at {reached} s")]
+    Time {
+        /// Given begin, s.
+        given: f64,
+        /// End of the last step, s.
+        reached: f64,
+    },
+    /// A result is not finite.
+    #[error("the step has no finite result: an input is too large")]
+    NotFinite,
     /// There is no such variable, or it has another type.
     #[error("there is no variable {0} of this type")]
     Unknown(u32),
@@ -149,38 +166,66 @@ impl Instance {
             (Value::Float(number), _) if !number.is_finite() => return Err(StepError::Value(name, *number)),
             _ => {}
         }
-        // Until an input changes, the scene gives the orders.
         if self.values[index] != value {
-            self.order(reference, name, &value)?;
-            self.values[index] = value;
+            let before = std::mem::replace(&mut self.values[index], value);
+            if let Err(error) = self.order(reference, name) {
+                self.values[index] = before;
+                return Err(error);
+            }
         }
         Ok(())
     }
 
-    /// Carries out the change of an input.
-    fn order(&mut self, input: u32, name: &'static str, value: &Value) -> Result<(), StepError> {
-        if let (reference::LOAD | reference::SPEED, Value::Float(number)) = (input, value) {
-            let [load, speed] = self.moved.ok_or(StepError::Unknown(input))?;
-            let (key, _) = if input == reference::LOAD { load } else { speed };
-            if input == reference::LOAD && *number < 0.0 {
-                return Err(StepError::Value(name, *number));
-            }
-            if let Part::Board(board) = &mut self.part {
-                board.playing().set(key, *number);
-            }
-            return Ok(());
+    fn float(&self, reference: u32) -> Option<f64> {
+        match self.get(reference) {
+            Some(Value::Float(value)) => Some(*value),
+            _ => None,
         }
-        let controller = match &mut self.part {
-            Part::Board(board) => &mut board.controller,
-            Part::Controller(controller, _) => controller,
-        };
-        match (input, value) {
-            (reference::ON, Value::Boolean(on)) => controller.gate(if *on { Gate::On } else { Gate::Off }),
-            (reference::AMPLITUDE, Value::Float(volts)) => controller.set_amplitude(Amplitude::Volts(*volts as f32))?,
-            (reference::FRICTION_TARGET, Value::Float(ratio)) => controller.friction(Target::Ratio(*ratio as f32))?,
+    }
+
+    /// Carries out the change of an input.
+    fn order(&mut self, input: u32, name: &'static str) -> Result<(), StepError> {
+        let value = self.float(input).unwrap_or_default();
+        match input {
+            reference::LOAD | reference::SPEED => {
+                let [load, speed] = self.moved.ok_or(StepError::Unknown(input))?;
+                let (key, most) = if input == reference::LOAD { (load.0, MAX_LOAD_N) } else { (speed.0, MAX_SPEED_M_PER_S) };
+                if value > most || value < if input == reference::LOAD { 0.0 } else { -most } {
+                    return Err(StepError::Value(name, value));
+                }
+                if let Part::Board(board) = &mut self.part {
+                    board.playing().set(key, value);
+                }
+            }
+            reference::GATE => {
+                let gate = match self.get(input) {
+                    Some(Value::Integer(0)) => Gate::Scheduled,
+                    Some(Value::Integer(1)) => Gate::On,
+                    Some(Value::Integer(2)) => Gate::Off,
+                    Some(Value::Integer(other)) => return Err(StepError::Value(name, f64::from(*other))),
+                    _ => return Ok(()),
+                };
+                self.controller().gate(gate);
+            }
+            // An amplitude replaces the friction switch; without it, a ratio is ordered.
+            reference::AMPLITUDE | reference::FRICTION_TARGET => {
+                let given = |reference: u32| self.float(reference).filter(|value| *value >= 0.0).map(|value| value as f32);
+                match (given(reference::AMPLITUDE), given(reference::FRICTION_TARGET)) {
+                    (Some(volts), _) => self.controller().set_amplitude(Some(Amplitude::Volts(volts)))?,
+                    (None, Some(ratio)) => self.controller().friction(Target::Ratio(ratio))?,
+                    (None, None) => self.controller().set_amplitude(None)?,
+                }
+            }
             _ => {}
         }
         Ok(())
+    }
+
+    fn controller(&mut self) -> &mut Stepping {
+        match &mut self.part {
+            Part::Board(board) => &mut board.controller,
+            Part::Controller(controller, _) => controller,
+        }
     }
 
     /// Advances by one step from a time, s.
@@ -188,9 +233,14 @@ impl Instance {
     /// # Errors
     /// If the step is not the fixed one.
     pub fn step(&mut self, from_s: f64, step_s: f64) -> Result<(), StepError> {
-        let fixed = self.step_s;
-        if !((step_s - fixed).abs() <= STEP_TOLERANCE_REL * fixed) {
+        let (fixed, reached) = (self.step_s, self.time_s());
+        // A caller computes both from times, which are rounded.
+        let tolerated = STEP_TOLERANCE_REL * fixed + TIME_TOLERANCE_REL * reached;
+        if !((step_s - fixed).abs() <= tolerated) {
             return Err(StepError::Step { given: step_s, fixed });
+        }
+        if !((from_s - reached).abs() <= STEP_TOLERANCE_REL * fixed + TIME_TOLERANCE_REL * reached) {
+            return Err(StepError::Time { given: from_s, reached });
         }
         if let Part::Board(board) = &mut self.part {
             let until_s = from_s + step_s - BLOCK_TOLERANCE * board.controller.samples as f64 / board.controller.sample_hz;
@@ -204,6 +254,9 @@ impl Instance {
                 blocks += 1.0;
             }
             let hash = board.playing().drive_hash();
+            if !(friction_n.is_finite() && tip.is_finite() && power_w.is_finite()) {
+                return Err(StepError::NotFinite);
+            }
             if blocks > 0.0 {
                 self.put(reference::FRICTION, Value::Float(friction_n / blocks));
                 self.put(reference::TIP_VELOCITY, Value::Float(tip / blocks));
@@ -215,12 +268,10 @@ impl Instance {
                 Some(Value::Codes(codes)) => codes.iter().copied().collect(),
                 _ => Default::default(),
             };
-            let float = |reference: u32| match self.get(reference) {
-                Some(Value::Float(value)) => Some(*value as f32),
-                _ => None,
-            };
+            let float = |reference: u32| self.float(reference).map(|value| value as f32);
+            let broken = self.get(reference::BROKEN) == Some(&Value::Boolean(true));
             let belt = match self.get(reference::COUNTS) {
-                Some(Value::Integer(counts)) => Some(BeltSense { counts: *counts, broken: false }),
+                Some(Value::Integer(counts)) => Some(BeltSense { counts: *counts, broken }),
                 _ => None,
             };
             let (force, temperature) = (float(reference::FORCE), float(reference::TEMPERATURE));

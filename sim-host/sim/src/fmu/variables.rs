@@ -48,9 +48,17 @@ pub struct Variable {
     pub meaning: &'static str,
 }
 
+/// Value of an input that leaves a quantity to the scene.
+pub(super) const AS_IN_THE_SCENE: f64 = -1.0;
+/// Meaning of the load.
+const LOAD: &str =
+    "load on the slider or the belt, without its own weight; it acts when it changes, and so do changes of the scene";
+/// Meaning of the speed.
+const SPEED: &str = "sliding speed; it acts when it changes, and so do changes of the scene";
+
 /// References of the variables.
 pub(super) mod reference {
-    pub(in super::super) const ON: u32 = 1;
+    pub(in super::super) const GATE: u32 = 1;
     pub(in super::super) const AMPLITUDE: u32 = 2;
     pub(in super::super) const FRICTION_TARGET: u32 = 3;
     pub(in super::super) const LOAD: u32 = 4;
@@ -60,6 +68,7 @@ pub(super) mod reference {
     pub(in super::super) const COUNTS: u32 = 8;
     pub(in super::super) const FORCE: u32 = 9;
     pub(in super::super) const TEMPERATURE: u32 = 10;
+    pub(in super::super) const BROKEN: u32 = 11;
     pub(in super::super) const FRICTION: u32 = 20;
     pub(in super::super) const TIP_VELOCITY: u32 = 21;
     pub(in super::super) const POWER: u32 = 22;
@@ -97,7 +106,6 @@ pub fn variables(scene: &Driven, kind: Kind) -> Vec<Variable> {
     use Value::{Boolean, Codes, Float, Integer, Unsigned};
     let samples = usize::from(scene.controller.block_samples);
     let lanes = usize::from(scene.controller.drive.lanes);
-    let amplitude_v = scene.controller.drive.amplitude_v.unwrap_or(0.0);
     let silent = vec![scene::settings::config(scene).front_end.sense_mid_code; samples];
     let quiet = vec![scene::settings::config(scene).front_end.drive_mid_code; samples * lanes];
     let variable =
@@ -116,6 +124,8 @@ pub fn variables(scene: &Driven, kind: Kind) -> Vec<Variable> {
         let slow = slow(scene);
         if let Some(belt) = slow.belt {
             all.push(variable("belt_counts", reference::COUNTS, Input, "", Integer(belt.counts), "counts of the belt encoder"));
+            let broken = "a line to the belt encoder is broken";
+            all.push(variable("belt_broken", reference::BROKEN, Input, "", Boolean(false), broken));
         }
         if let Some(force) = slow.force {
             all.push(variable("force_n", reference::FORCE, Input, "N", Float(force.into()), "reading of the force sensor"));
@@ -125,26 +135,27 @@ pub fn variables(scene: &Driven, kind: Kind) -> Vec<Variable> {
             all.push(variable("temperature_c", reference::TEMPERATURE, Input, "", Float(temperature.into()), meaning));
         }
     }
-    all.push(variable("on", reference::ON, Input, "", Boolean(true), "drive ON; until it changes, the bursts of the scene"));
+    all.push(variable("gate", reference::GATE, Input, "", Integer(0), "0: the bursts of the scene; 1: drive ON; 2: drive OFF"));
     all.push(variable(
         "amplitude_v",
         reference::AMPLITUDE,
         Input,
         "V",
-        Float(amplitude_v),
-        "peak voltage of the drive; until it changes, the amplitude of the scene",
+        Float(AS_IN_THE_SCENE),
+        "peak voltage of the drive; negative: as in the scene",
     ));
-    if let Some(friction) = &scene.controller.friction {
-        let start = friction.target_ratio.unwrap_or(1.0);
-        let meaning = "ordered friction ratio, 0 to 1; until it changes, that of the scene";
-        all.push(variable("friction_target_ratio", reference::FRICTION_TARGET, Input, "", Float(start), meaning));
+    if scene.controller.friction.is_some() {
+        let meaning = "ordered friction ratio, 0 to 1, unless `amplitude_v` is given; negative: as in the scene";
+        all.push(variable("friction_target_ratio", reference::FRICTION_TARGET, Input, "", Float(AS_IN_THE_SCENE), meaning));
     }
     if kind == Kind::Board {
         if let Some([(_, load_n), (_, speed_m_per_s)]) = moved(scene) {
-            all.push(variable("load_n", reference::LOAD, Input, "N", Float(load_n), "normal load on the contact"));
-            all.push(variable("speed_m_per_s", reference::SPEED, Input, "m/s", Float(speed_m_per_s), "sliding speed"));
+            all.push(variable("load_n", reference::LOAD, Input, "N", Float(load_n), LOAD));
+            all.push(variable("speed_m_per_s", reference::SPEED, Input, "m/s", Float(speed_m_per_s), SPEED));
         }
-        all.push(variable("friction_n", reference::FRICTION, Output, "N", Float(0.0), "mean friction over the step"));
+        if scene.contact.is_some() || scene.rig.is_some() {
+            all.push(variable("friction_n", reference::FRICTION, Output, "N", Float(0.0), "mean friction over the step"));
+        }
         let tip = "mean over the step of the peak tip velocity in each block";
         all.push(variable("tip_velocity_m_per_s", reference::TIP_VELOCITY, Output, "m/s", Float(0.0), tip));
         all.push(variable("power_w", reference::POWER, Output, "W", Float(0.0), "mean power of the drive over the step"));

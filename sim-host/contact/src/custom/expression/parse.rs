@@ -1,20 +1,16 @@
-//! Translation of a user's text to the form that `exmex` evaluates: every operation in parentheses,
-//! every name replaced by its place, and every kink by a switch.
+//! Translation of a user's text to a program.
 
 use std::collections::BTreeMap;
 
+use super::program::{FUNCTIONS, Function, Program, Step};
 use super::{COULOMB, ExpressionError, FIRST_STATE, MAX_NAMES, MU, NORMAL, Places, SIGN, SLIP, Source};
 
-/// Text for `exmex`.
-pub(super) type Parsed = String;
-
-/// Functions without kinks.
-const FUNCTIONS: [&str; 14] =
-    ["exp", "ln", "log10", "sqrt", "cbrt", "sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh"];
 /// Functions with kinks, and the number of their arguments.
 const KINKED: [(&str, usize); 4] = [("abs", 1), ("sign", 1), ("max", 2), ("min", 2)];
 /// Largest depth of parentheses, functions and signs.
 const MAX_DEPTH: u32 = 64;
+/// Largest number of steps of a text, each as often as its value is needed.
+const MAX_STEPS: usize = 20_000;
 
 /// Names of a law and their places.
 #[derive(Debug)]
@@ -61,7 +57,7 @@ impl Names {
             && letters.all(|letter| letter.is_ascii_alphanumeric() || letter == '_');
         let message = if !is_name {
             format!("`{name}` is not a name: a letter comes first, then letters, digits and _")
-        } else if name == "pi" || FUNCTIONS.contains(&name) || KINKED.iter().any(|(known, _)| *known == name) {
+        } else if name == "pi" || is_function(name) {
             format!("`{name}` already means something else")
         } else if place >= MAX_NAMES {
             format!("a law has at most {MAX_NAMES} names")
@@ -86,15 +82,27 @@ impl Names {
     }
 }
 
-/// Translates a text; only the force may use the rates of the states. Each argument of a function
-/// with a kink is added to `arguments`.
-pub(super) fn parse(text: &str, names: &Names, with_rates: bool, arguments: &mut Vec<Parsed>) -> Result<Parsed, String> {
+fn is_function(name: &str) -> bool {
+    function(name).is_some() || KINKED.iter().any(|(known, _)| *known == name)
+}
+
+fn function(name: &str) -> Option<Function> {
+    FUNCTIONS.iter().find(|(known, _)| *known == name).map(|(_, function)| *function)
+}
+
+/// Translates a text; only the force may use the rates of the states. The argument of each kink is
+/// added to `arguments`.
+pub(super) fn parse(text: &str, names: &Names, with_rates: bool, arguments: &mut Vec<Program>) -> Result<Program, String> {
     let mut parser = Parser { tokens: tokens(text)?, next: 0, names, with_rates, arguments, depth: 0 };
-    let parsed = parser.sum()?;
+    let steps = parser.sum()?;
     match parser.tokens.get(parser.next) {
-        None => Ok(parsed),
+        None => program(steps),
         Some(token) => Err(format!("unexpected `{token}`")),
     }
+}
+
+fn program(steps: Vec<Step>) -> Result<Program, String> {
+    Program::new(steps).ok_or_else(|| "the expression is nested too deeply".to_owned())
 }
 
 /// Splits a text into numbers, names and signs.
@@ -139,7 +147,7 @@ struct Parser<'a> {
     next: usize,
     names: &'a Names,
     with_rates: bool,
-    arguments: &'a mut Vec<Parsed>,
+    arguments: &'a mut Vec<Program>,
     depth: u32,
 }
 
@@ -160,56 +168,62 @@ impl Parser<'_> {
         })
     }
 
-    fn sum(&mut self) -> Result<Parsed, String> {
-        let mut sum = self.product()?;
+    fn sum(&mut self) -> Result<Vec<Step>, String> {
+        let mut steps = self.product()?;
         loop {
-            if self.accept("+") {
-                sum = format!("({sum}+{})", self.product()?);
-            } else if self.accept("-") {
-                sum = format!("({sum}-{})", self.product()?);
-            } else {
-                return Ok(sum);
-            }
+            let step = match self.accept("+") {
+                true => Step::Add,
+                false if self.accept("-") => Step::Subtract,
+                false => return Ok(steps),
+            };
+            let next = self.product()?;
+            append(&mut steps, next, step)?;
         }
     }
 
-    fn product(&mut self) -> Result<Parsed, String> {
-        let mut product = self.signed()?;
+    fn product(&mut self) -> Result<Vec<Step>, String> {
+        let mut steps = self.signed()?;
         loop {
-            if self.accept("*") {
-                product = format!("({product}*{})", self.signed()?);
-            } else if self.accept("/") {
-                product = format!("({product}/{})", self.signed()?);
-            } else {
-                return Ok(product);
-            }
+            let step = match self.accept("*") {
+                true => Step::Multiply,
+                false if self.accept("/") => Step::Divide,
+                false => return Ok(steps),
+            };
+            let next = self.signed()?;
+            append(&mut steps, next, step)?;
         }
     }
 
     /// A sign binds less than a power: `-v^2` is `-(v^2)`.
-    fn signed(&mut self) -> Result<Parsed, String> {
+    fn signed(&mut self) -> Result<Vec<Step>, String> {
         self.depth += 1;
         if self.depth > MAX_DEPTH {
             return Err(format!("an expression has at most {MAX_DEPTH} levels"));
         }
-        let signed = if self.accept("-") {
-            format!("(0-{})", self.signed()?)
+        let steps = if self.accept("-") {
+            let mut steps = self.signed()?;
+            steps.push(Step::Negate);
+            steps
         } else if self.accept("+") {
             self.signed()?
         } else {
             self.power()?
         };
         self.depth -= 1;
-        Ok(signed)
+        Ok(steps)
     }
 
     /// Powers bind to the right: `a^b^c` is `a^(b^c)`.
-    fn power(&mut self) -> Result<Parsed, String> {
-        let base = self.atom()?;
-        if self.accept("^") { Ok(format!("({base}^{})", self.signed()?)) } else { Ok(base) }
+    fn power(&mut self) -> Result<Vec<Step>, String> {
+        let mut steps = self.atom()?;
+        if self.accept("^") {
+            let next = self.signed()?;
+            append(&mut steps, next, Step::Power)?;
+        }
+        Ok(steps)
     }
 
-    fn atom(&mut self) -> Result<Parsed, String> {
+    fn atom(&mut self) -> Result<Vec<Step>, String> {
         let Some(token) = self.tokens.get(self.next).cloned() else {
             return Err(if self.tokens.is_empty() { "it is empty" } else { "something is missing at the end" }.to_owned());
         };
@@ -220,9 +234,7 @@ impl Parser<'_> {
             return Ok(inner);
         }
         if token.starts_with(|letter: char| letter.is_ascii_digit() || letter == '.') {
-            let number = token.parse::<f64>().ok().filter(|number| number.is_finite());
-            // Without an exponent, which `exmex` would read as a name.
-            return number.map(|number| format!("{number}")).ok_or_else(|| format!("`{token}` is not a number"));
+            return Ok(vec![Step::Number(number(&token)?)]);
         }
         if !token.starts_with(|letter: char| letter.is_ascii_alphabetic()) {
             return Err(format!("unexpected `{token}`"));
@@ -230,20 +242,23 @@ impl Parser<'_> {
         if self.accept("(") {
             return self.call(&token);
         }
-        if token == "pi" {
-            return Ok(format!("{}", std::f64::consts::PI));
+        if is_function(&token) {
+            return Err(format!("`{token}` is a function: write `{token}(…)`"));
         }
-        Ok(format!("{{{}}}", self.names.place(&token, self.with_rates)?))
+        if token == "pi" {
+            return Ok(vec![Step::Number(std::f64::consts::PI)]);
+        }
+        Ok(vec![Step::Variable(self.names.place(&token, self.with_rates)?)])
     }
 
     /// Translates a function after its opening parenthesis.
-    fn call(&mut self, name: &str) -> Result<Parsed, String> {
+    fn call(&mut self, name: &str) -> Result<Vec<Step>, String> {
         let count = match KINKED.iter().find(|(known, _)| *known == name) {
             Some((_, count)) => *count,
-            None if FUNCTIONS.contains(&name) => 1,
+            None if function(name).is_some() => 1,
             None if name == "log" => return Err("`log` has two meanings: write `ln` or `log10`".to_owned()),
             None => {
-                let known: Vec<&str> = FUNCTIONS.iter().copied().chain(KINKED.map(|(name, _)| name)).collect();
+                let known: Vec<&str> = FUNCTIONS.iter().map(|(name, _)| *name).chain(KINKED.map(|(name, _)| name)).collect();
                 return Err(format!("`{name}` is not a function; the functions are {}", known.join(", ")));
             }
         };
@@ -255,33 +270,57 @@ impl Parser<'_> {
         if given.len() != count {
             return Err(format!("`{name}` takes {count} argument{}", if count == 1 { "" } else { "s" }));
         }
-        let (first, second) = (&given[0], given.get(1));
-        Ok(match (name, second) {
-            ("sign", _) => self.sign(first)?,
-            ("abs", _) => format!("({}*{first})", self.sign(first)?),
-            (_, Some(second)) => {
-                let sign = self.sign(&format!("({first}-{second})"))?;
-                let (plus, minus) = if name == "max" { ("+", "-") } else { ("-", "+") };
-                format!("(0.5*({first}*(1{plus}{sign})+{second}*(1{minus}{sign})))")
+        let second = if count == 2 { given.pop() } else { None };
+        let mut steps = given.pop().unwrap_or_default();
+        match (function(name), second) {
+            (Some(function), _) => steps.push(Step::Call(function)),
+            (None, Some(second)) => {
+                let mut difference = steps.clone();
+                append(&mut difference, second.clone(), Step::Subtract)?;
+                self.sign(&difference)?;
+                append(&mut steps, second, if name == "max" { Step::Max } else { Step::Min })?;
             }
-            _ => format!("{name}({first})"),
-        })
+            (None, None) => {
+                let place = self.sign(&steps)?;
+                steps.push(if name == "abs" { Step::Call(Function::Abs) } else { Step::Sign(place) });
+            }
+        }
+        Ok(steps)
     }
 
-    /// Returns the switch that is the sign of an argument.
-    fn sign(&mut self, argument: &str) -> Result<Parsed, String> {
-        if argument == format!("{{{SLIP}}}") {
-            return Ok(format!("{{{SIGN}}}"));
+    /// Returns the place of the sign of an argument, which is located where it changes.
+    fn sign(&mut self, argument: &[Step]) -> Result<usize, String> {
+        if argument == [Step::Variable(SLIP)] {
+            return Ok(SIGN);
         }
-        let known = self.arguments.iter().position(|known| known == argument);
+        let argument = program(argument.to_vec())?;
+        let known = self.arguments.iter().position(|known| *known == argument);
         let index = known.unwrap_or_else(|| {
-            self.arguments.push(argument.to_owned());
+            self.arguments.push(argument);
             self.arguments.len() - 1
         });
         let place = self.names.places.arguments + index;
         if place >= MAX_NAMES {
             return Err(format!("a law has at most {MAX_NAMES} names, each `sign`, `abs`, `max` and `min` included"));
         }
-        Ok(format!("{{{place}}}"))
+        Ok(place)
     }
+}
+
+/// Adds the steps of the second operand, and the step that joins both.
+fn append(steps: &mut Vec<Step>, second: Vec<Step>, step: Step) -> Result<(), String> {
+    steps.extend(second);
+    steps.push(step);
+    if steps.len() > MAX_STEPS {
+        return Err(format!("the expression has more than {MAX_STEPS} steps"));
+    }
+    Ok(())
+}
+
+/// Parses a number. One that is too small would silently be zero.
+fn number(token: &str) -> Result<f64, String> {
+    let digits = token.split(['e', 'E']).next().unwrap_or_default();
+    let is_zero = digits.chars().all(|letter| matches!(letter, '0' | '.'));
+    let number = token.parse::<f64>().ok().filter(|number| number.is_finite() && (*number != 0.0 || is_zero));
+    number.ok_or_else(|| format!("`{token}` is not a number"))
 }

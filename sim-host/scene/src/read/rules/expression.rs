@@ -13,6 +13,7 @@ const METHOD: &str = "integrator.method";
 const STEPS: &str = "integrator.steps_per_period";
 const TOLERANCE_OF: &str = "integrator.tolerance_of";
 const ANGLE: &str = "excitation.angle_deg";
+const FRICTION_AT_START: &str = "excitation.friction0_n";
 
 impl Rules<'_> {
     /// Checks the texts of a law, and that only collocation is to solve it.
@@ -27,6 +28,11 @@ impl Rules<'_> {
         }
         let refusals = [
             (self.text(TOLERANCE_OF) == Some("record"), TOLERANCE_OF, "with a law of your own, only the mean has a tolerance"),
+            (
+                self.number(FRICTION_AT_START).is_some_and(|force| force != 0.0),
+                FRICTION_AT_START,
+                "a law of your own begins with the states of [contact.expression.start]",
+            ),
             (self.value(STEPS).is_some(), STEPS, "the intervals of a law of your own adapt to the solution"),
             (self.number(ANGLE).is_some_and(|angle| angle != 0.0), ANGLE, "a law of your own has one direction of slip"),
             (
