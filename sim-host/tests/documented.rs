@@ -20,7 +20,7 @@ mod help;
 mod marks;
 
 /// Beginnings of commands that cannot run in a test, with the reason.
-const NOT_RUN: [(&str, &str); 19] = [
+const NOT_RUN: [(&str, &str); 20] = [
     ("run \"$scene\"", "a line of a script; tests/command_line/ci.rs runs it"),
     ("link PORT", "a placeholder"),
     ("link file:", "needs the image of `cargo field`; tests/flash.rs makes the file"),
@@ -30,6 +30,7 @@ const NOT_RUN: [(&str, &str); 19] = [
     ("link board:dummy-load --board-speed 8 --gdb 127.0.0.1:3333 serve", "waits for a debugger; tests/images/debugger has one"),
     ("link sim:lock script rig.txt", "the reader's own script"),
     ("compare ", "compares results of other commands of the page; tests/command_line/compare.rs has both"),
+    ("export fmu", "needs the library of a unit; sim-host/embed/check builds it, and FMPy simulates the units"),
     ("merge mu-1 mu-2", "joins results of other commands of the page; tests/command_line/sweep.rs joins shards"),
     (
         "sweep lock-cold --set runs=100 --over controller.drive.amplitude_v=2:4:80",

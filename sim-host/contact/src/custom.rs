@@ -38,7 +38,7 @@
 //!
 //! let numerics = Numerics::default();
 //! let problem = table_4_1(0.5, 100.0); // velocity ratio, periods
-//! //! let solution = solve(&problem, &Square, &numerics, (&|| (), None), None)?;
+//! let solution = solve(&problem, &Square, &numerics, (&|| (), None), None)?;
 //! assert!(solution.tolerance_met && solution.ratios.friction < 1.0);
 //! # Ok::<(), sonoglide_contact::SolveError>(())
 //! ```

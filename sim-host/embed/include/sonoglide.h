@@ -128,8 +128,8 @@ int sonoglide_controller_shape(struct SonoglideController *controller,
                                struct SonoglideShape *shape);
 
 // Processes one block: `samples` codes of voltage and current, and slow readings, or null if the
-// scene has no such sensor. Writes the codes to play `latency_blocks` later, `lanes` times `samples`, lane after lane,
-// and the report, if it is not null. Returns 0, or -1 on failure.
+// scene has no such sensor. Writes the codes to play `latency_blocks` later, `lanes` times
+// `samples`, lane after lane, and the report, if it is not null. Returns 0, or -1 on failure.
 //
 // # Safety
 // `controller` comes from `sonoglide_controller_new`; the arrays have the sizes stated.

@@ -72,7 +72,7 @@ pub fn spectrum<'py>(
     window_s: Option<f64>,
     cycles: Option<f64>,
     smooth_s: Option<f64>,
-) -> PyResult<(String, Bound<'py, PyBytes>, Bound<'py, PyBytes>, Bound<'py, PyBytes>)> {
+) -> PyResult<(String, [Bound<'py, PyBytes>; 3])> {
     let method = match method {
         "stft" => Method::Stft,
         "wavelet" => Method::Wavelet,
@@ -87,7 +87,7 @@ pub fn spectrum<'py>(
     let found = found.map_err(|error| MeasurementError::new_err(with_causes(&error)))?;
     let power: Vec<f64> = found.power.iter().flatten().copied().collect();
     let text = found.json(&source).to_string();
-    Ok((text, bytes_of(py, &power)?, bytes_of(py, &found.times_s)?, bytes_of(py, &found.hz)?))
+    Ok((text, [bytes_of(py, &power)?, bytes_of(py, &found.times_s)?, bytes_of(py, &found.hz)?]))
 }
 
 /// Runs a suite of cases with targets, and returns its evidence as JSON with the missed targets: as

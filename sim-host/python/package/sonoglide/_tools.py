@@ -84,7 +84,7 @@ def spectrum(
 
     Raises `MeasurementError` for a file that cannot be used.
     """
-    text, power, times, frequencies = _native.spectrum(
+    text, (power, times, frequencies) = _native.spectrum(
         os.fspath(path), method, (column, time, sample_hz), (from_s, to_s), band_hz, window_s, cycles, smooth_s
     )
     time_s, frequency_hz = np.frombuffer(times), np.frombuffer(frequencies)

@@ -80,7 +80,7 @@ pub enum StepError {
 /// Controller, alone or as a board.
 enum Part {
     Board(Box<Coupled>),
-    Controller(Box<Stepping>, DriveBlock),
+    Controller(Box<(Stepping, DriveBlock)>),
 }
 
 /// Instance of a unit.
@@ -224,7 +224,7 @@ impl Instance {
     fn controller(&mut self) -> &mut Stepping {
         match &mut self.part {
             Part::Board(board) => &mut board.controller,
-            Part::Controller(controller, _) => controller,
+            Part::Controller(both) => &mut both.0,
         }
     }
 
@@ -236,10 +236,11 @@ impl Instance {
         let (fixed, reached) = (self.step_s, self.time_s());
         // A caller computes both from times, which are rounded.
         let tolerated = STEP_TOLERANCE_REL * fixed + TIME_TOLERANCE_REL * reached;
-        if !((step_s - fixed).abs() <= tolerated) {
+        let is_near = |a: f64, b: f64| (a - b).abs() <= tolerated;
+        if !is_near(step_s, fixed) {
             return Err(StepError::Step { given: step_s, fixed });
         }
-        if !((from_s - reached).abs() <= STEP_TOLERANCE_REL * fixed + TIME_TOLERANCE_REL * reached) {
+        if !is_near(from_s, reached) {
             return Err(StepError::Time { given: from_s, reached });
         }
         if let Part::Board(board) = &mut self.part {
@@ -277,7 +278,8 @@ impl Instance {
             let (force, temperature) = (float(reference::FORCE), float(reference::TEMPERATURE));
             let slow = SlowSense { belt, force, temperature, ..SlowSense::default() };
             let sense = SenseBlock { v: codes(reference::V), i: codes(reference::I), slow };
-            if let Part::Controller(controller, drive) = &mut self.part {
+            if let Part::Controller(both) = &mut self.part {
+                let (controller, drive) = &mut **both;
                 controller.process(&sense, drive).map_err(RunError::from)?;
                 let codes = drive.lanes.iter().flatten().copied().collect();
                 let (drops_queue, listen) = (drive.drops_queue, i32::from(drive.listen));
@@ -289,7 +291,7 @@ impl Instance {
         self.time = Value::Float(from_s + step_s);
         let report = match &self.part {
             Part::Board(board) => board.controller.report,
-            Part::Controller(controller, _) => controller.report,
+            Part::Controller(both) => both.0.report,
         };
         self.put(reference::FAULT, Value::Integer(report.fault.map_or(0, |fault| fault.code().into())));
         self.put(reference::LOCKED, Value::Boolean(report.locked));
@@ -312,7 +314,7 @@ impl Part {
             Kind::Controller => {
                 let controller = Stepping::new(scene)?;
                 let silence = controller.silence();
-                Part::Controller(Box::new(controller), silence)
+                Part::Controller(Box::new((controller, silence)))
             }
         })
     }
