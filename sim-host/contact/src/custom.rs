@@ -61,8 +61,8 @@ use run::{MIN_INTERVALS_PER_PERIOD, Ran, Start};
 const FINER: f64 = 1e-2;
 /// Tolerance of an interval, over that of the mean.
 const INTERVAL_TOLERANCE_REL: f64 = 0.1;
-/// Smallest tolerance of an interval; below it is round-off.
-const MIN_INTERVAL_TOLERANCE: f64 = 1e-13;
+/// Smallest tolerance of an interval; below it is round-off of stiff motions.
+const MIN_INTERVAL_TOLERANCE: f64 = 1e-11;
 /// Smallest error that is stated: round-off of the sums.
 const ROUND_OFF: f64 = 1e-13;
 

@@ -115,8 +115,8 @@ impl Scene {
         law: Option<(Py<PyAny>, Vec<f64>)>,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<Result> {
-        let law = law.map(|(function, start)| Law::new(&self.loaded.scene, function, start)).transpose()?;
         let stop = AtomicBool::new(false);
+        let law = law.map(|(function, start)| Law::new(&self.loaded.scene, function, start, &stop)).transpose()?;
         let ran = interruptible::run(py, &stop, || {
             let folder = output
                 .map(|dir| Folder::open(&dir, Owner::new("run", self.loaded.files())))
@@ -141,7 +141,12 @@ impl Scene {
             let report = report.as_mut().map(|report| report as &mut (dyn FnMut(f64) + Send));
             let options = Options { stop: Some(&stop), clock: Some(clock), law, progress: report, ..Options::default() };
             let began = clock();
-            let study = study::run(&self.loaded, options).map_err(|error| run_error(&error))?;
+            // One attachment for all calls of a law: each new one would allocate a thread state.
+            let study = match law {
+                Some(_) => Python::attach(|_| study::run(&self.loaded, options)),
+                None => study::run(&self.loaded, options),
+            };
+            let study = study.map_err(|error| run_error(&error))?;
             let took = clock() - began;
             // A run cut short by a signal is not written, as its result is discarded.
             if let Some(folder) = folder.filter(|_| !study.interrupted) {

@@ -21,6 +21,8 @@ def test_advice_is_that_of_the_command_line():
     assert large != small
     with pytest.raises(ValueError, match="not both"):
         Scene.load("lock").advise_amplifier(tip_m=1e-7, tip_m_per_s=0.1)
+    with pytest.raises(ValueError, match="from 1e-12"):
+        Scene.load("lock").advise_amplifier(tip_m=-1e-6)
     with pytest.raises(SceneError):
         Scene.load("contact").advise()
 

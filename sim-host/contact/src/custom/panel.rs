@@ -104,43 +104,48 @@ impl Equations<'_> {
     /// fails.
     pub(super) fn solve(&self, forcing: &Forcing, (from_s, length_s): (f64, f64), y0: &[f64]) -> Option<Panel> {
         let (rule, parts) = (rule(), y0.len());
-        let size = STAGES * parts;
         let unit: Vec<f64> = self.scale.iter().map(|scale| if *scale > 0.0 { *scale } else { 1.0 }).collect();
         let forces: Vec<f64> = rule.at.iter().map(|at| forcing.value(from_s + at * length_s)).collect();
         let mut values = vec![y0.to_vec(); STAGES];
         let (mut rates, mut jacobian) = (vec![0.0; parts], vec![0.0; parts * parts]);
         for step in 0..MAX_STEPS {
-            let mut matrix = DMatrix::<f64>::zeros(size, size);
-            let mut side = DVector::<f64>::zeros(size);
             let mut points = Vec::with_capacity(STAGES);
             let mut all_rates = Vec::with_capacity(STAGES * parts);
+            let mut jacobians = Vec::with_capacity(STAGES);
             for (node, y) in values.iter().enumerate() {
                 points.push(self.point(y, forces[node], &mut rates));
                 all_rates.extend_from_slice(&rates);
-                if parts == 0 {
-                    continue;
-                }
-                self.jacobian(y, forces[node], &rates, &mut jacobian);
-                for i in 0..parts {
-                    let row = node * parts + i;
-                    let slopes = rule.slope[node].iter().zip(&values);
-                    let slope: f64 = slopes.map(|(slope, y)| slope * (y[i] - y0[i])).sum();
-                    side[row] = (length_s * rates[i] - slope) / unit[i];
-                    for (column, slope) in rule.slope[node].iter().enumerate() {
-                        matrix[(row, column * parts + i)] += slope;
-                    }
-                    for j in 0..parts {
-                        matrix[(row, node * parts + j)] -= length_s * jacobian[i * parts + j] * unit[j] / unit[i];
-                    }
+                if parts > 0 {
+                    self.jacobian(y, forces[node], &rates, &mut jacobian);
+                    jacobians.push(jacobian.clone());
                 }
             }
             let mut largest = vec![0.0f64; parts];
-            if parts > 0 {
+            for group in groups(&jacobians, parts) {
+                let place = |node: usize, index: usize| node * group.len() + index;
+                let size = STAGES * group.len();
+                let mut matrix = DMatrix::<f64>::zeros(size, size);
+                let mut side = DVector::<f64>::zeros(size);
+                for node in 0..STAGES {
+                    for (index, &i) in group.iter().enumerate() {
+                        let row = place(node, index);
+                        let slopes = rule.slope[node].iter().zip(&values);
+                        let slope: f64 = slopes.map(|(slope, y)| slope * (y[i] - y0[i])).sum();
+                        side[row] = (length_s * all_rates[node * parts + i] - slope) / unit[i];
+                        for (column, slope) in rule.slope[node].iter().enumerate() {
+                            matrix[(row, place(column, index))] += slope;
+                        }
+                        for (other, &j) in group.iter().enumerate() {
+                            let derivative = jacobians[node][i * parts + j];
+                            matrix[(row, place(node, other))] -= length_s * derivative * unit[j] / unit[i];
+                        }
+                    }
+                }
                 let change = matrix.lu().solve(&side)?;
                 for (node, y) in values.iter_mut().enumerate() {
-                    for (i, value) in y.iter_mut().enumerate() {
-                        let change = unit[i] * change[node * parts + i];
-                        *value += change;
+                    for (index, &i) in group.iter().enumerate() {
+                        let change = unit[i] * change[place(node, index)];
+                        y[i] += change;
                         largest[i] = largest[i].max(change.abs());
                     }
                 }
@@ -280,6 +285,22 @@ impl Equations<'_> {
         }
         (of_rates, of_friction)
     }
+}
+
+/// Returns the parts of y in groups that do not affect each other, by the derivatives at all
+/// points.
+fn groups(jacobians: &[Vec<f64>], parts: usize) -> Vec<Vec<usize>> {
+    let mut of: Vec<usize> = (0..parts).collect();
+    for i in 0..parts {
+        for j in 0..parts {
+            if of[i] != of[j] && jacobians.iter().any(|jacobian| jacobian[i * parts + j] != 0.0) {
+                let (kept, joined) = (of[i], of[j]);
+                of.iter_mut().filter(|group| **group == joined).for_each(|group| *group = kept);
+            }
+        }
+    }
+    let all = (0..parts).map(|group| (0..parts).filter(|part| of[*part] == group).collect::<Vec<_>>());
+    all.filter(|group| !group.is_empty()).collect()
 }
 
 /// Returns the larger of two errors, or NaN if one is not a number.

@@ -26,6 +26,8 @@ const MIN_LENGTH_PERIODS: f64 = 1e-12;
 const MAX_EVENTS_AT_ONCE: u32 = 8;
 /// Largest number of attempts to locate an event.
 const MAX_LOCATIONS: u32 = 12;
+/// Largest number of intervals per period.
+const MAX_INTERVALS_PER_PERIOD: f64 = 20_000.0;
 /// Part of an interval that counts as its end.
 const PART_TOLERANCE: f64 = 1e-9;
 /// Number of intervals per period at least, in the coarser run.
@@ -104,6 +106,8 @@ struct Run<'a> {
     turned: Option<usize>,
     intervals: u64,
     events: u64,
+    /// Number of intervals and of events at once.
+    tried: u64,
 }
 
 /// Runs a problem; each interval has at most the error `tolerance`, relative to the largest value
@@ -167,6 +171,7 @@ impl<'a> Run<'a> {
             turned: None,
             intervals: 0,
             events: 0,
+            tried: 0,
         }
     }
 
@@ -231,11 +236,20 @@ impl<'a> Run<'a> {
             }
             self.length_s = self.length_s.min(self.equations.most_s);
             if self.length_s < self.smallest_s() {
-                return Err(SolveError::Diverged { method: METHOD, time_s: stretch.start_s + at_s });
+                return Err(self.failure(stretch, at_s));
             }
         };
         self.length_s = self.length_s.min(self.equations.most_s);
         let mut end_s = at_s;
+        self.tried += 1;
+        if self.tried as f64 > MAX_INTERVALS_PER_PERIOD * (1.0 + (stretch.start_s + at_s) / self.period_s) {
+            let reason = format!(
+                "at {:e} s the law needs more than {MAX_INTERVALS_PER_PERIOD} intervals in a period: it is not smooth between its \
+                 events, or too fast",
+                stretch.start_s + at_s
+            );
+            return Err(SolveError::Unsuited { method: METHOD, reason });
+        }
         if let Some(panel) = panel {
             if !self.take(stretch, (at_s, length_s), &panel, meter, seen) {
                 return Err(not_a_number(stretch.start_s + at_s));
@@ -253,6 +267,17 @@ impl<'a> Run<'a> {
         }
         self.grow();
         Ok(end_s)
+    }
+
+    /// Returns the reason that no interval succeeds at a moment.
+    fn failure(&self, stretch: &Stretch, at_s: f64) -> SolveError {
+        let mut rates = vec![0.0; self.y.len()];
+        let point = self.equations.point(&self.y, stretch.forcing.value(at_s), &mut rates);
+        let time_s = stretch.start_s + at_s;
+        if !point.force_n.is_finite() || rates.iter().any(|rate| !rate.is_finite()) {
+            return not_a_number(time_s);
+        }
+        SolveError::Diverged { method: METHOD, time_s }
     }
 
     /// Tries an interval. With an event in it, the interval is solved again up to the event.

@@ -125,6 +125,9 @@ class Scene:
         """Computes volts, amperes and power for a peak tip velocity, m/s, or displacement, m, as `sim-host advise --amplifier`."""
         if tip_m_per_s is not None and tip_m is not None:
             raise ValueError("give a tip velocity or a tip displacement, not both")
+        for tip in (tip_m_per_s, tip_m):
+            if tip is not None and not 1e-12 <= tip <= 1e3:
+                raise ValueError("a tip velocity or displacement is from 1e-12 to 1e3")
         advice: dict[str, Any] = json.loads(_native.advise_amplifier(self._native, volts, tip_m_per_s, tip_m))
         return advice
 

@@ -301,3 +301,13 @@ fn disturbances_stay_in_range() {
     says(&with(&added), &["may leave its range at 4 s", "--set:8:26", "add up"]);
     says(&with(&["disturbance.0.rate_per_s=-1", "disturbance.1.rate_per_s=1"]), &["`at_s` is missing", "`key` is missing"]);
 }
+
+/// Numbers that are each possible, but not together.
+#[test]
+fn a_circuit_that_follows_is_in_its_range() {
+    let wrong = report(
+        include_str!("example.toml"),
+        &["stack.bvd.parallel_resonance_hz=1e6", "stack.bvd.cm_f=6e-4", "stack.bvd.lm_h=38.96e-3", "stack.bvd.rm_ohm=24.76"],
+    );
+    says(&wrong, &["follows as", "out of range"]);
+}

@@ -6,9 +6,10 @@ use super::Rules;
 use crate::circuit::{CircuitError, Given};
 use crate::diagnostic::Problem;
 use crate::exclusive::Exclusive;
-use crate::schema::join;
+use crate::nearest::shown;
+use crate::schema::{Schema, join};
 use crate::tree::{Entry, Node, Value};
-use crate::wording::within;
+use crate::wording::{range, within};
 
 const TABLE: &str = "stack.bvd";
 /// Keys of a circuit, except its clamped capacitance.
@@ -126,7 +127,26 @@ impl Rules<'_> {
                 present.iter().for_each(|key| self.findings.mark(join(TABLE, key)));
             }
             (true, _) => self.exclusive(group, TABLE),
+            (false, None) if sound => self.check_derived(present.first().copied().unwrap_or_default()),
             _ => {}
+        }
+    }
+
+    /// Checks that the values that replace a set are within their ranges.
+    fn check_derived(&mut self, first: &str) {
+        let Ok(elements) = given(self.root).resolve() else { return };
+        let values =
+            [("series_resonance_hz", elements.series_resonance_hz()), ("q", elements.q()), ("coupling", elements.coupling())];
+        let path = join(TABLE, first);
+        for (key, value) in values {
+            let derived = join(TABLE, key);
+            let Some(limits) = Schema::root().at(&derived).map(Schema::range) else { continue };
+            if limits.0.is_some_and(|least| value < least) || limits.1.is_some_and(|most| value > most) {
+                let message = format!("`{key}` follows as {}, which is out of range", shown(value));
+                let label = format!("it must be {}", range(limits, &derived));
+                let problem = Problem::new(self.key(&path), message, label);
+                self.add(&path, problem.help("the numbers of the circuit contradict each other, or one has another unit"));
+            }
         }
     }
 }
