@@ -126,25 +126,25 @@ impl Rules<'_> {
                 self.findings.problems.push(problem.help(help));
                 present.iter().for_each(|key| self.findings.mark(join(TABLE, key)));
             }
-            (true, _) => self.exclusive(group, TABLE),
-            (false, None) if sound => self.check_derived(present.first().copied().unwrap_or_default()),
+            (true, _) => {
+                self.exclusive(group, TABLE);
+                if sound {
+                    self.check_derived();
+                }
+            }
             _ => {}
         }
     }
 
-    /// Checks that the values that replace a set are within their ranges.
-    fn check_derived(&mut self, first: &str) {
-        let Ok(elements) = given(self.root).resolve() else { return };
-        let values =
-            [("series_resonance_hz", elements.series_resonance_hz()), ("q", elements.q()), ("coupling", elements.coupling())];
-        let path = join(TABLE, first);
-        for (key, value) in values {
-            let derived = join(TABLE, key);
-            let Some(limits) = Schema::root().at(&derived).map(Schema::range) else { continue };
+    /// Checks that the values that have replaced another set are within their ranges.
+    fn check_derived(&mut self) {
+        for key in FORMS[1] {
+            let path = join(TABLE, key);
+            let Some((value, schema)) = self.number(&path).zip(Schema::root().at(&path)) else { continue };
+            let limits = schema.range();
             if limits.0.is_some_and(|least| value < least) || limits.1.is_some_and(|most| value > most) {
                 let message = format!("`{key}` follows as {}, which is out of range", shown(value));
-                let label = format!("it must be {}", range(limits, &derived));
-                let problem = Problem::new(self.key(&path), message, label);
+                let problem = Problem::new(self.key(&path), message, format!("it must be {}", range(limits, &path)));
                 self.add(&path, problem.help("the numbers of the circuit contradict each other, or one has another unit"));
             }
         }
