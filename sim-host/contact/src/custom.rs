@@ -168,7 +168,7 @@ pub fn solve(
     let coarse = run::run(&problem, law, &start, (tolerance, MIN_INTERVALS_PER_PERIOD), pause, None)?;
     let fine = run::run(&problem, law, &start, (FINER * tolerance, 2.0 * MIN_INTERVALS_PER_PERIOD), pause, watch)?;
     let of_coarse = (mean(&fine) - mean(&coarse)).abs();
-    // The coarser run's error is that of the finer one at most; round-off of long runs adds up.
+    // The error of the finer run is at most that of the coarser one.
     let error = of_coarse.max(ROUND_OFF) + orbit.map_or(0.0, |orbit: Orbit| orbit.error);
     let tolerance_met = error <= numerics.tolerance;
     if !tolerance_met {

@@ -26,8 +26,7 @@ int main(void) {
         fprintf(stderr, "another block than this example expects\n");
         return 1;
     }
-    /* u = Rm i + Lm di/dt + 1/Cm integral i dt, in parallel with C0; steps of a thousandth of a microsecond are not
-       needed: sixteen steps per sample by the midpoint rule are exact to 1e-6 here. */
+    /* u = Rm i + Lm di/dt + 1/Cm integral i dt, in parallel with C0, by sixteen midpoint steps in a sample */
     const double hz = 39.6e3, q = 100, rm = 3.08, c0 = 300e-9, w = 2 * pi * hz, lm = q * rm / w, cm = 1 / (w * w * lm);
     const double sample_s = 1 / shape.sample_hz, h = sample_s / 16;
     double i = 0, uc = 0, last = 0;

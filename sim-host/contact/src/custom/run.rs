@@ -1,5 +1,6 @@
 //! A run from event to event: intervals whose length adapts to the solution, the events that end
 //! them, and the sums of the tally.
+//!
 //! An interval with an event is solved again up to the event, so that none contains a jump.
 
 use super::FrictionLaw;
@@ -106,8 +107,6 @@ struct Run<'a> {
     turned: Option<usize>,
     intervals: u64,
     events: u64,
-    /// Number of intervals and of events at once.
-    tried: u64,
 }
 
 /// Runs a problem; each interval has at most the error `tolerance`, relative to the largest value
@@ -171,7 +170,6 @@ impl<'a> Run<'a> {
             turned: None,
             intervals: 0,
             events: 0,
-            tried: 0,
         }
     }
 
@@ -241,8 +239,7 @@ impl<'a> Run<'a> {
         };
         self.length_s = self.length_s.min(self.equations.most_s);
         let mut end_s = at_s;
-        self.tried += 1;
-        if self.tried as f64 > MAX_INTERVALS_PER_PERIOD * (1.0 + (stretch.start_s + at_s) / self.period_s) {
+        if (self.intervals + self.events) as f64 > MAX_INTERVALS_PER_PERIOD * (1.0 + (stretch.start_s + at_s) / self.period_s) {
             let reason = format!(
                 "at {:e} s the law needs more than {MAX_INTERVALS_PER_PERIOD} intervals in a period: it is not smooth between its \
                  events, or too fast",
@@ -379,13 +376,18 @@ impl<'a> Run<'a> {
                 let place = before + (at - before) * f64::from(part) / f64::from(parts);
                 let factors = rule.factors(place);
                 let x_m = factors.iter().zip(&displacements).map(|(factor, x_m)| factor * x_m).sum();
-                let state = self.state_of(&panel.sum(&factors), x_m, stretch, from_s + place * length_s);
-                self.show(&state, meter, seen);
+                // Only for the observer: the peaks of the tally do not depend on it.
+                if let Some(seen) = seen {
+                    seen(&self.state_of(&panel.sum(&factors), x_m, stretch, from_s + place * length_s));
+                }
             }
             let point = &panel.points[node];
             let time_s = stretch.start_s + from_s + at * length_s;
             let state = State { time_s, x_m: displacements[node + 1], v_m_per_s: point.v_m_per_s, force_n: point.force_n };
-            self.show(&state, meter, seen);
+            meter.step(&state, state.force_n / self.equations.coulomb_n);
+            if let Some(seen) = seen {
+                seen(&state);
+            }
             before = at;
         }
         self.x_m = displacements[STAGES];
@@ -393,13 +395,6 @@ impl<'a> Run<'a> {
             self.y.clone_from(end);
         }
         meter.totals.friction_n_s.is_finite()
-    }
-
-    fn show(&self, state: &State, meter: &mut Meter, seen: &mut Seen) {
-        meter.step(state, state.force_n / self.equations.coulomb_n);
-        if let Some(seen) = seen {
-            seen(state);
-        }
     }
 }
 

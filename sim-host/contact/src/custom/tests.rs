@@ -234,6 +234,15 @@ fn relays_that_contradict_are_named() {
 }
 
 #[test]
+fn an_observer_changes_nothing() {
+    for (problem, numerics) in problems() {
+        let law = Expression::new(&lugre().0).unwrap();
+        let run = |watch: Option<&mut dyn FnMut(&State)>| solve(&problem, &law, &numerics, (&|| (), None), watch).unwrap();
+        assert_eq!(run(None), run(Some(&mut |_| ())));
+    }
+}
+
+#[test]
 fn friction_at_rest_has_no_direction() {
     let (mut problem, numerics) = problems().remove(1);
     problem.waveform = Waveform::new(Shape::Still, 0.0, problem.waveform.frequency_hz(), problem.duration_s);
