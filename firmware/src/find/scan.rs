@@ -22,7 +22,7 @@ use heapless::Vec;
 
 use crate::find::damage::{Damage, damage};
 use crate::find::identify::choice::Choice;
-use crate::find::identify::mode_search::{ModeSearch, Nominal};
+use crate::find::identify::mode_search::{MAX_DISTANCE_HALF_SPANS, ModeSearch, Nominal};
 use crate::find::identify::pole_fit::{Circuit, Pole};
 use crate::find::scan::baseband::Baseband;
 use crate::find::scan::modes::Modes;
@@ -34,7 +34,7 @@ use crate::generate::sweep::hold::Hold;
 use crate::seam::block::{LATENCY_BLOCKS, SenseBlock};
 use crate::seam::config::{Config, TrackingMode};
 use crate::seam::fault::Fault;
-use crate::seam::transducer::Transducer;
+use crate::seam::transducer::{MOST_MODES, Transducer};
 use crate::sense::convert::Convert;
 use crate::sense::demod::Sensed;
 
@@ -43,6 +43,9 @@ use crate::sense::demod::Sensed;
 const MARGIN_REL: f32 = 0.1;
 /// Minimum and maximum duration of the sweep of the window, s.
 const WINDOW_S: (f32, f32) = (8e-3, 16e-3);
+/// Maximum number of resonances in each part of a window; the fine pass, which follows in any case,
+/// shows more.
+const MOST_OF_A_PART: usize = 2;
 /// Blocks measured before the first block of a sweep: the latency and the rising half of the first
 /// triangle.
 const LEAD_BLOCKS: u32 = LATENCY_BLOCKS as u32 + 1;
@@ -190,7 +193,8 @@ impl Scan {
                 // Restarted here, as nothing is measured yet; the last block has no spare time.
                 if self.blocks == 1 {
                     let (blocks, samples) = self.measured();
-                    self.search.restart(&self.bare, blocks, samples);
+                    let most = if self.parts > 1 { MOST_OF_A_PART } else { MOST_MODES };
+                    self.search.restart(&self.bare, most, blocks, samples);
                 }
                 if self.sweep(convert, sense) {
                     self.begin(Stage::Search(part));
@@ -315,11 +319,14 @@ impl Scan {
         let Some(&(pole, deviations)) = self.modes.chosen() else { return Step::Failed(Fault::NoResonance) };
         let reach_hz = self.window_hz * (1.0 + MARGIN_REL);
         let hz = self.nominal_hz + pole.offset_hz;
-        let fine = self.pass.fine(
-            &MeasuredResonance { hz, offset_hz: pole.offset_hz, q: pole.q, deviation_hz: deviations.series_resonance_hz },
-            reach_hz,
-            self.block_s,
-        );
+        let seen = MeasuredResonance {
+            hz,
+            offset_hz: pole.offset_hz,
+            q: pole.q,
+            deviation_hz: deviations.series_resonance_hz,
+            has_neighbour: self.modes.has_neighbour(),
+        };
+        let fine = self.pass.fine(&seen, reach_hz, self.block_s);
         if fine.repeats > 0 || self.parts > 1 {
             self.begin_pass(Pass { repeats: fine.repeats.max(1), ..fine }, Stage::Fine);
             return self.tune();
@@ -333,15 +340,15 @@ impl Scan {
         (self.pass.blocks(), self.pass.blocks() * self.block_samples)
     }
 
-    /// Fits the chosen resonance, together with all others inside the fine pass unless it is fitted
-    /// alone.
+    /// Fits the chosen resonance, together with all others that the fine pass shows unless it is
+    /// fitted alone.
     fn begin_fit(&mut self) {
         let mut circuit = Circuit { poles: Vec::new(), known: Vec::new(), ..self.search.found().0.clone() };
         let (centre_hz, half_hz) = (self.pass.centre_hz, 0.5 * self.pass.width_hz);
         // There is room: both lists hold as many as can be found.
         circuit.poles.extend(self.modes.chosen().map(|(pole, _)| *pole));
         for pole in self.modes.others() {
-            let inside = !self.alone && (pole.offset_hz - centre_hz).abs() < half_hz;
+            let inside = !self.alone && (pole.offset_hz - centre_hz).abs() < MAX_DISTANCE_HALF_SPANS * half_hz;
             let _ = if inside { circuit.poles.push(*pole) } else { circuit.known.push(*pole) };
         }
         let (blocks, samples) = self.measured();
@@ -352,13 +359,13 @@ impl Scan {
     /// Accepts the fit of the fine pass.
     fn take_fit(&mut self) -> Step {
         let (circuit, deviations) = self.search.found();
-        match (circuit.poles.first(), deviations.first()) {
-            (Some(pole), Some(deviations)) if pole.offset_hz.abs() <= self.window_hz => {
-                self.modes.refine(*pole, *deviations);
+        match circuit.poles.first() {
+            Some(pole) if pole.offset_hz.abs() <= self.window_hz => {
+                self.modes.refine(circuit, deviations);
                 self.take(0)
             }
             // The others may be too weak for a fit together.
-            (None, _) if !core::mem::replace(&mut self.alone, true) => {
+            None if !core::mem::replace(&mut self.alone, true) => {
                 self.begin(Stage::Fit);
                 self.tune()
             }

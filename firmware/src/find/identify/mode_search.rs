@@ -2,7 +2,7 @@
 //!
 //! One more resonance is assumed at the line with the largest residual, and all resonances are
 //! fitted together. The fit is accepted if each resonance exceeds seven standard deviations and if
-//! the variance of the residual is halved. A first resonance may be weaker, because one alone does
+//! the variance of the residual is halved, or if that falls to a twentieth. A first resonance may be weaker, because one alone does
 //! not explain several that overlap; it counts only if a second one is accepted. The search ends
 //! when the residual is within the noise of the converters, or with four resonances. Each block
 //! does as much work as its time permits.
@@ -17,25 +17,35 @@ use crate::seam::transducer::{Deviations, MOST_MODES, Transducer};
 const ITERATIONS: u8 = 12;
 /// Displacement of the resonances per iteration below which a fit has converged, in widths.
 const CONVERGED_WIDTHS: f32 = 3e-4;
+/// The same for a fit whose residual shows one more resonance: that one will move all others.
+const ROUGH_WIDTHS: f32 = 0.03;
+/// Residual variance that shows one more resonance, relative to that which needs no explanation.
+const ROUGH_VARIANCE_RATIO: f32 = 10.0;
 /// Minimum strength of a resonance, in standard deviations.
 const MIN_STRENGTH_SIGMAS: f32 = 7.0;
 /// Maximum residual variance with one more resonance, relative to that without it.
 const MAX_VARIANCE_RATIO: f32 = 0.5;
+/// Residual variance, relative to that without the resonance, below which it is there whatever the
+/// standard deviation of its strength: two that overlap share theirs in many ways.
+const CERTAIN_VARIANCE_RATIO: f32 = 0.05;
+/// Tangent of the maximum angle between the admittances of two resonances, which the skew of the
+/// sense channels turns alike: 60 degrees. A fit that turns one further explains something else.
+const MAX_TURN: f32 = 1.7;
 /// Number of iterations after which one more resonance must have reduced the variance.
-const PATIENCE_ITERATIONS: u8 = 4;
+const PATIENCE_ITERATIONS: u8 = 1;
 /// Maximum residual variance after [`PATIENCE_ITERATIONS`] iterations, relative to that without the
 /// resonance.
-const PATIENCE_VARIANCE_RATIO: f32 = 0.9;
+const PATIENCE_VARIANCE_RATIO: f32 = 0.5;
 /// Squared residual of a line, relative to the mean of the others, above which a resonance is
 /// assumed there.
 const OUTLIER_SQUARE_RATIO: f32 = 10.0;
-/// Noise of the converters that needs no explanation, steps.
-const NOISE_STEPS: f32 = 3.0;
+/// Noise of the converters that needs no explanation, steps: one, and rounding, is 1.04.
+const NOISE_STEPS: f32 = 1.2;
 /// Residual that needs no explanation, relative to the largest line.
-const UNEXPLAINED_REL: f32 = 3e-3;
+const UNEXPLAINED_REL: f32 = 3e-4;
 /// Maximum distance of a resonance from the centre of the spectrum, in half spans; a single
 /// resonance may be farther.
-const MAX_DISTANCE_HALF_SPANS: f32 = 2.0;
+pub(crate) const MAX_DISTANCE_HALF_SPANS: f32 = 2.0;
 
 #[derive(Clone, Debug, PartialEq)]
 enum Stage {
@@ -95,6 +105,8 @@ pub(crate) struct ModeSearch {
     found_variance: f32,
     /// `true` if the only resonance found is too weak by itself.
     is_tentative: bool,
+    /// `true` while resonances are fitted that another spectrum has shown.
+    refits: bool,
 }
 
 /// Resolution of the converters, and the nominal quality factor.
@@ -124,21 +136,23 @@ impl ModeSearch {
             found_deviations: Vec::new(),
             found_variance: f32::INFINITY,
             is_tentative: false,
+            refits: false,
         }
     }
 
-    /// Starts from a bare capacitance. The spectrum contains `samples` samples in `blocks` blocks.
-    pub(crate) fn restart(&mut self, bare: &Circuit, blocks: u32, samples: u32) {
+    /// Starts from a bare capacitance, and finds up to `most` resonances. The spectrum contains
+    /// `samples` samples in `blocks` blocks.
+    pub(crate) fn restart(&mut self, bare: &Circuit, most: usize, blocks: u32, samples: u32) {
         self.refit(bare, blocks, samples);
-        self.most = MOST_MODES;
+        (self.most, self.refits) = (most, false);
         self.stage = Stage::Seek { best: (0.0, 0), sum: 0.0, largest: 0.0 };
     }
 
-    /// Fits the modes of `found` again, to another spectrum.
+    /// Fits the modes of `found` again, to another spectrum, and then seeks further ones.
     pub(crate) fn refit(&mut self, found: &Circuit, blocks: u32, samples: u32) {
         // Noise of variance s^2 gives a sum of B phasors of N samples each a variance 4 B s^2 / N.
         self.unexplained = 4.0 * self.noise_a * self.noise_a * (blocks as f32) * (blocks as f32) / samples.max(1) as f32;
-        self.most = found.poles.len();
+        self.most = MOST_MODES - found.known.len();
         self.begin(found, ITERATIONS);
         self.found.clone_from(found);
         self.found.poles.clear();
@@ -146,6 +160,7 @@ impl ModeSearch {
         self.found_deviations.clear();
         self.found_variance = f32::INFINITY;
         self.is_tentative = false;
+        self.refits = true;
     }
 
     /// Returns `true` if the search has ended.
@@ -229,12 +244,12 @@ impl ModeSearch {
     fn decide(&mut self, iterations: u8) {
         let hopeless =
             iterations <= ITERATIONS - PATIENCE_ITERATIONS && self.fit.variance() > PATIENCE_VARIANCE_RATIO * self.found_variance;
+        let shows_more = self.fit.variance() > ROUGH_VARIANCE_RATIO * self.unexplained && self.found.poles.len() < self.most;
+        let tolerance = if shows_more { ROUGH_WIDTHS } else { CONVERGED_WIDTHS };
         match self.solution.take() {
             None => self.end(),
             Some(_) if hopeless => self.end(),
-            Some(Solution { circuit, moved }) if iterations > 1 && moved > CONVERGED_WIDTHS => {
-                self.begin(&circuit, iterations - 1)
-            }
+            Some(Solution { circuit, moved }) if iterations > 1 && moved > tolerance => self.begin(&circuit, iterations - 1),
             Some(solution) => {
                 self.deviations.clear();
                 self.fitted = solution.circuit;
@@ -251,7 +266,8 @@ impl ModeSearch {
         // There is room for one entry per pole.
         let _ = self.deviations.push(deviations);
         let count = self.fitted.poles.len();
-        let weak = MIN_STRENGTH_SIGMAS * deviations.lm_h > lm_h;
+        let is_certain = self.refits || self.fit.variance() < CERTAIN_VARIANCE_RATIO * self.found_variance;
+        let weak = MIN_STRENGTH_SIGMAS * deviations.lm_h > lm_h && !(count > 1 && is_certain) || self.is_turned(next);
         if count > 1 && (weak || distance_hz > MAX_DISTANCE_HALF_SPANS * reach_hz) {
             self.end();
         } else if next + 1 < count {
@@ -262,6 +278,17 @@ impl ModeSearch {
         }
     }
 
+    /// Returns `true` if the admittance of a fitted resonance points away from that of the
+    /// strongest one.
+    fn is_turned(&self, which: usize) -> bool {
+        let conductances = || self.fitted.poles.iter().map(|pole| pole.conductance);
+        let strongest = conductances().max_by(|a, b| a.norm_sqr().total_cmp(&b.norm_sqr())).unwrap_or_default();
+        conductances().nth(which).is_some_and(|conductance| {
+            let along = conductance * strongest.conj();
+            along.im.abs() > MAX_TURN * along.re
+        })
+    }
+
     fn keep(&mut self) {
         let variance = self.fit.variance();
         let better = variance <= MAX_VARIANCE_RATIO * self.found_variance;
@@ -270,6 +297,7 @@ impl ModeSearch {
             self.found_deviations.clone_from(&self.deviations);
             self.found_variance = variance;
             self.is_tentative &= self.found.poles.len() == 1;
+            self.refits = false;
             self.line = 0;
         }
         if better && self.found.poles.len() < self.most {

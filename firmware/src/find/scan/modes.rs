@@ -3,13 +3,17 @@
 use heapless::Vec;
 
 use crate::find::identify::choice::Choice;
-use crate::find::identify::pole_fit::Pole;
+use crate::find::identify::pole_fit::{Circuit, Pole};
 use crate::seam::fault::Fault;
 use crate::seam::phasor::magnitude;
 use crate::seam::transducer::{Deviations, Listed, MOST_MODES, Resonance, Resonances};
 
 /// Minimum distance of two poles, in bandwidths; closer ones are the same pole found twice.
 const MIN_DISTANCE_BANDWIDTHS: f32 = 0.25;
+
+/// Maximum distance of a neighbour, in bandwidths of the chosen resonance. A fine pass that leaves
+/// it out cannot separate both.
+const NEIGHBOUR_BANDWIDTHS: f32 = 4.0;
 
 /// Relative strength of another resonance, times the cube of the bandwidth over its distance, above
 /// which steps around the lock point measure the clamped branch worse than a scan: their error is
@@ -70,6 +74,13 @@ impl Modes {
         Some((self.nominal_hz + most.offset_hz, most.strength() / chosen.strength()))
     }
 
+    /// Returns `true` if another resonance is within [`NEIGHBOUR_BANDWIDTHS`] of the chosen one.
+    pub(crate) fn has_neighbour(&self) -> bool {
+        let Some((chosen, _)) = self.chosen() else { return false };
+        let reach_hz = NEIGHBOUR_BANDWIDTHS * (self.nominal_hz + chosen.offset_hz) / chosen.q;
+        self.others().any(|other| (other.offset_hz - chosen.offset_hz).abs() < reach_hz)
+    }
+
     /// Returns `true` if another resonance makes steps around the chosen one less accurate than a
     /// scan. Its strength grows with the cube of the bandwidth over its distance.
     pub(crate) fn is_crowded(&self) -> bool {
@@ -102,16 +113,16 @@ impl Modes {
 
     /// Chooses the resonance to drive.
     pub(crate) fn choose(&mut self, choice: &Choice) -> Result<(), Fault> {
-        self.chosen = choice.choose(&self.listed)?;
+        let lm_deviations_h: Vec<f32, MOST_MODES> = self.found.iter().map(|(_, deviations)| deviations.lm_h).collect();
+        self.chosen = choice.choose(&self.listed, &lm_deviations_h)?;
         Ok(())
     }
 
-    /// Replaces the chosen resonance with a better estimate.
-    pub(crate) fn refine(&mut self, pole: Pole, deviations: Deviations) {
-        if let Some(chosen) = self.found.get_mut(self.chosen) {
-            *chosen = (pole, deviations);
-            self.list();
-        }
+    /// Replaces the chosen resonance, the first of a later fit, and all others of that fit.
+    pub(crate) fn refine(&mut self, fitted: &Circuit, deviations: &[Deviations]) {
+        self.found.retain(|(pole, _)| fitted.known.contains(pole));
+        fitted.poles.iter().zip(deviations).for_each(|(pole, deviations)| self.add(*pole, *deviations, false));
+        self.chosen = self.found.iter().position(|(pole, _)| fitted.poles.first() == Some(pole)).unwrap_or(0);
     }
 
     fn list(&mut self) {

@@ -21,10 +21,11 @@ const MAX_WIDTH_REL: f32 = 0.3;
 
 /// Minimum and maximum duration of a sweep of the fine pass, s.
 const FINE_S: (f32, f32) = (4e-3, 20e-3);
-/// Maximum duration of the fine pass, s.
-const MAX_FINE_S: f32 = 0.04;
-/// Width of the fine pass in bandwidths of the resonance.
-const FINE_BANDWIDTHS: f32 = 2.0;
+/// Duration of the fine pass above which no further period follows, s; and with a neighbour, whose
+/// distance limits the accuracy more than the noise does.
+const MAX_FINE_S: (f32, f32) = (0.04, 0.024);
+/// Width of the fine pass in bandwidths of the resonance, and with a neighbour, which it must show.
+const FINE_BANDWIDTHS: (f32, f32) = (2.0, 6.0);
 /// Target standard deviation of the resonance, in bandwidths.
 const TARGET_BANDWIDTHS: f32 = 1e-4;
 /// Minimum target standard deviation of the resonance, relative to the frequency.
@@ -41,6 +42,8 @@ pub(crate) struct MeasuredResonance {
     pub q: f32,
     /// Standard deviation of the series resonance frequency, Hz.
     pub(crate) deviation_hz: f32,
+    /// `true` if another resonance is near.
+    pub(crate) has_neighbour: bool,
 }
 
 /// Range and timing of a sweep, and its number of periods.
@@ -63,6 +66,9 @@ impl Pass {
     pub(crate) fn between(low_hz: f32, high_hz: f32, (shortest_s, longest_s): (f32, f32), block_s: f32) -> Self {
         let width_hz = (high_hz - low_hz).max(FEWEST_LINES / longest_s);
         let period_s = within(FEWEST_LINES / width_hz, shortest_s, longest_s);
+        // A range too wide for the lines of that time is swept up to twice as fast.
+        let whole_s = (MOST_LINES - 2) as f32 / width_hz.min(MAX_WIDTH_REL / block_s);
+        let period_s = within(whole_s, 0.5 * shortest_s, period_s);
         let period_blocks = ((period_s / block_s) as u32 + 1).max(FEWEST_BLOCKS);
         let width_hz = width_hz.min(Pass::widest_hz(period_blocks, block_s));
         Pass { centre_hz: 0.5 * (low_hz + high_hz), width_hz, period_blocks, repeats: 1 }
@@ -73,9 +79,11 @@ impl Pass {
     /// this pass has reached the target.
     pub(crate) fn fine(&self, seen: &MeasuredResonance, reach_hz: f32, block_s: f32) -> Self {
         let bandwidth_hz = seen.hz / seen.q;
+        let (bandwidths, longest_s) =
+            if seen.has_neighbour { (FINE_BANDWIDTHS.1, MAX_FINE_S.1) } else { (FINE_BANDWIDTHS.0, MAX_FINE_S.0) };
         // A resonance near the edge of the window is measured from one side.
         let end_hz = |bandwidths: f32| within(seen.offset_hz + bandwidths * bandwidth_hz, -reach_hz, reach_hz);
-        let fine = Pass::between(end_hz(-0.5 * FINE_BANDWIDTHS), end_hz(0.5 * FINE_BANDWIDTHS), FINE_S, block_s);
+        let fine = Pass::between(end_hz(-0.5 * bandwidths), end_hz(0.5 * bandwidths), FINE_S, block_s);
         // Slow, so that a load that depends on amplitude is measured in its settled state.
         let slow_s = ((MOST_LINES - 4) as f32 / fine.width_hz).min(40e-3);
         let fine = Pass { period_blocks: fine.period_blocks.max((slow_s / block_s) as u32), ..fine };
@@ -83,8 +91,8 @@ impl Pass {
         // Time that this pass has spent within the range of the fine pass. The deviation falls with
         // the square root of the measuring time.
         let there_s = self.blocks() as f32 * block_s * (fine.width_hz / self.width_hz).min(1.0);
-        let target_s = (there_s * excess * excess).min(MAX_FINE_S);
-        let repeats = if excess > 1.0 { (target_s / (fine.period_blocks as f32 * block_s)) as u32 + 1 } else { 0 };
+        let target_s = (there_s * excess * excess).min(longest_s);
+        let repeats = if excess > 1.0 { ((target_s / (fine.period_blocks as f32 * block_s) + 0.5) as u32).max(1) } else { 0 };
         Pass { repeats, ..fine }
     }
 
@@ -129,10 +137,13 @@ mod tests {
     fn the_fine_pass_is_as_long_as_the_deviation_requires() {
         let window = Pass::between(-1100.0, 1100.0, (8e-3, 16e-3), 32e-6);
         let repeats = |deviation_hz: f32| {
-            window.fine(&MeasuredResonance { hz: 40e3, offset_hz: 0.0, q: 65.0, deviation_hz }, 1100.0, 32e-6).repeats
+            window
+                .fine(&MeasuredResonance { hz: 40e3, offset_hz: 0.0, q: 65.0, deviation_hz, has_neighbour: false }, 1100.0, 32e-6)
+                .repeats
         };
-        // The target deviation is 0.0615 Hz. A period of the fine pass takes 30 ms.
-        assert_eq!([0.05, 0.07, 0.1, 0.2].map(repeats), [0, 1, 1, 2]);
+        // The target deviation is 0.0615 Hz. A period of the fine pass takes 30 ms, and 40 ms are
+        // nearer to one than to two.
+        assert_eq!([0.05, 0.07, 0.1, 0.2].map(repeats), [0, 1, 1, 1]);
     }
 
     #[test]
@@ -140,6 +151,7 @@ mod tests {
         let narrow = Pass::between(-4.0, 4.0, (8e-3, 16e-3), 32e-6);
         assert!((narrow.width_hz - 875.0).abs() < 1.0, "{narrow:?}");
         let wide = Pass::between(-20e3, 20e3, (8e-3, 16e-3), 32e-6);
-        assert!(wide.width_hz < 5e3 && wide.spectrum(32e-6).lines() <= MOST_LINES, "{wide:?}");
+        assert!(wide.width_hz < 9.4e3 && wide.spectrum(32e-6).lines() <= MOST_LINES, "{wide:?}");
+        assert_eq!(wide.period_blocks, 131, "{wide:?}");
     }
 }

@@ -187,8 +187,31 @@ fn twenty_milliseconds_suffice_for_the_window() {
         longest_s = got.searched_s.max(longest_s);
     }
     std::println!("longest {longest_s} s, {worst_hz} Hz, {worst_low_hz} Hz at Q below 50, Q {worst_q}");
-    // 15.3 ms, 0.68 Hz, 1.74 Hz and 0.67 %.
-    assert!(longest_s < 18e-3 && worst_hz < 0.9 && worst_low_hz < 3.0 && worst_q < 9e-3);
+    // 20.0 ms (Q 200 and 500 in the wide window; 16 ms else), 0.68 Hz, 1.74 Hz and 0.67 %.
+    assert!(longest_s < 20e-3 && worst_hz < 0.9 && worst_low_hz < 3.0 && worst_q < 9e-3);
+}
+
+/// Resonances that overlap are fitted together: each alone explains the measurement so badly that
+/// two of uncertain strengths are certain.
+#[test]
+fn a_mode_within_a_bandwidth_is_separated() {
+    let bandwidth_hz = 40_020.0 / 65.0;
+    let mut worst = 0.0_f64;
+    for apart in [-0.9, -0.6, -0.4, 0.4, 0.6, 0.9] {
+        for (share, q) in [(0.2, 65.0), (0.12, 130.0), (0.3, 45.0)] {
+            let hz = 40_020.0 + apart * bandwidth_hz;
+            let other = Branch { hz, q, lm_h: 791.6e-6 / share };
+            let case = Case { branches: std::vec![stack(40_020.0, 65.0).branches[0], other], ..stack(40_020.0, 65.0) };
+            let got = scan(&case, 1);
+            let (found, _) = got.found.unwrap_or_else(|fault| panic!("{apart} {share} {q}: {fault:?}"));
+            let off = (f64::from(found.series_resonance_hz) - 40_020.0).abs() / bandwidth_hz;
+            std::println!("{apart} bandwidths, strength {share}, Q {q}: {} found, {off:.5} bandwidths off", found.modes);
+            assert_eq!(got.list.len(), 2, "{apart} {share} {q}");
+            worst = off.max(worst);
+        }
+    }
+    // Measured: 1.1e-3.
+    assert!(worst < 2e-3, "{worst}");
 }
 
 /// The error divided by the stated deviation has a standard deviation of one, within the scatter of
