@@ -15,9 +15,10 @@ use crate::seam::fault::{Fault, Limit};
 use crate::seam::mode::Mode;
 use crate::seam::transducer::Transducer;
 use crate::sense::motional::Motional;
-use crate::track::tracker::identified::{Known, Learning, OFF_RESONANCE_UNCERTAINTY_REL};
+use crate::track::tracker::identified::{self, Known, Learning, OFF_RESONANCE_UNCERTAINTY_REL};
 use crate::track::tracker::observed::{NEARBY_REL, Retry};
 use crate::track::tracker::observer::Prior;
+use crate::track::tracker::start::OTHER_MODES_RAD;
 use crate::track::tracker::{State, Tracker};
 
 const TAU: f32 = core::f32::consts::TAU;
@@ -179,19 +180,23 @@ impl TrackedTransducer {
     /// Takes the transducer found by the scan, and all its modes. `off_resonance_c0_f` is the
     /// clamped capacitance from the tones off resonance, F.
     pub(crate) fn adopt(&mut self, found: &RingDown, modes: &Modes, off_resonance_c0_f: Option<f32>) {
-        let (transducer, branch) = (&found.transducer, found.motional);
-        self.tracker.seed(transducer, branch, self.noise_a(&branch));
+        let (scanned, branch, is_crowded) = (&found.transducer, found.motional, modes.is_crowded());
+        self.tracker.seed(scanned, branch, self.noise_a(&branch), is_crowded);
+        let transducer = &if is_crowded { identified::crowded(scanned, OTHER_MODES_RAD) } else { *scanned };
         self.lm_deviation = transducer.deviations.lm_h / transducer.lm_h;
         let deviation = transducer.deviations.c0_f / transducer.c0_f;
         self.online.seed(branch, deviation, transducer.series_resonance_hz, transducer.q);
         self.online.set_slope(found.slope);
-        if modes.is_crowded() {
+        if is_crowded {
             self.online.omit_rounds();
         }
         (self.transducer, self.other_mode) = (Some(*transducer), modes.other_mode());
         let off_f = off_resonance_c0_f.map_or(0.0, |c0_f| transducer.c0_f - c0_f);
         self.is_uncertain = false;
-        self.is_lossy = TAU * transducer.series_resonance_hz * off_f.abs() * transducer.rm_ohm > LOSSY_CONTRADICTION;
+        let contradicts = TAU * transducer.series_resonance_hz * off_f.abs() * transducer.rm_ohm > LOSSY_CONTRADICTION;
+        // Two standard deviations, in half bandwidths.
+        let shift = 4.0 * transducer.q * transducer.deviations.series_resonance_hz / transducer.series_resonance_hz;
+        self.is_lossy = contradicts || shift > LOSSY_SHIFT;
         self.learning.adopt(transducer);
     }
 

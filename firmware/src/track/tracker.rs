@@ -13,7 +13,7 @@ pub(crate) mod observed;
 pub mod observer;
 pub(crate) mod phase_loop;
 pub(crate) mod prior;
-mod start;
+pub(crate) mod start;
 pub(crate) mod stray;
 
 use crate::seam::compare::{larger, smaller};
@@ -50,6 +50,15 @@ enum PhaseDetector {
     /// Total current, the plain V-I loop: biased by C0 (76 Hz at Q 65), and without a zero below
     /// `M = 2`.
     Total,
+}
+
+/// Reason why the phase loop tracks in place of the observer, after a scan.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Unobserved {
+    /// The resonance decays too fast for an observer.
+    Fast,
+    /// Another resonance is so near that the current of both does not build up as that of one.
+    Crowded,
 }
 
 /// State of the lock.
@@ -98,10 +107,10 @@ pub struct Tracker {
     motional: Motional,
     phase_loop: PhaseLoop,
     stray: Stray,
-    /// Observer; `None` also while the resonance decays too fast for it.
+    /// Observer; `None` also while the phase loop tracks in its place.
     observed: Option<Observed>,
-    /// `true` if the phase loop tracks a resonance that decays too fast for the observer.
-    fast: bool,
+    /// Reason why the phase loop tracks in place of the observer.
+    unobserved: Option<Unobserved>,
     known: Known,
     lock: LockDetector,
     /// Admittance above which the stack rings, S; infinite before a resonance is known.
@@ -256,7 +265,7 @@ impl Tracker {
     // Not inlined: the fast memory of a board has no room for it.
     #[inline(never)]
     fn update_phase_loop(&mut self, error: Phasor, sensed: &Sensed) -> Turns {
-        if self.fast && self.is_released(error, sensed.v) {
+        if self.unobserved == Some(Unobserved::Fast) && self.is_released(error, sensed.v) {
             return HALF_TURN;
         }
         let phase = self.phase_loop.update(error);

@@ -50,6 +50,21 @@ pub(crate) fn circuit(observer: &Observer, nominal_hz: f32, known: &Known) -> Tr
     learning.transducer
 }
 
+/// Returns the transducer of a scan, with deviations that contain a turn of the motional phase by
+/// other resonances, rad.
+#[cold]
+#[inline(never)]
+pub(crate) fn crowded(scanned: &Transducer, phase_rad: f32) -> Transducer {
+    let mut transducer = *scanned;
+    let deviations = &mut transducer.deviations;
+    let add = |deviation: &mut f32, size: f32| *deviation = libm::sqrtf(*deviation * *deviation + size * size);
+    add(&mut deviations.series_resonance_hz, 0.5 * phase_rad * scanned.series_resonance_hz / scanned.q);
+    add(&mut deviations.q, phase_rad * scanned.q);
+    add(&mut deviations.rm_ohm, phase_rad * scanned.rm_ohm);
+    add(&mut deviations.lm_h, phase_rad * scanned.lm_h);
+    transducer
+}
+
 /// Identification in parts, because a square root takes as long as two periods of the lock-in. The
 /// values that the loops need are complete at once; the rest follows a few roots at a time.
 #[derive(Clone, Debug)]

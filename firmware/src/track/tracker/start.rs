@@ -13,7 +13,7 @@ use crate::track::tracker::observed::{LASTED_BLOCKS, NEARBY_REL, Observed, Retry
 use crate::track::tracker::observer::Prior;
 use crate::track::tracker::phase_loop::PhaseLoop;
 use crate::track::tracker::stray::Stray;
-use crate::track::tracker::{PhaseDetector, RINGING_REL, Tracker};
+use crate::track::tracker::{PhaseDetector, RINGING_REL, Tracker, Unobserved};
 
 /// Wait for the ring-up after an edge of a burst, time constants of the resonance. Before that the
 /// noise exceeds the phase.
@@ -23,7 +23,7 @@ const LOCK_TIMEOUT: (u32, f32) = (2000, 50.0);
 /// Standard deviation of a resonance found by a scan, bandwidths.
 const SCAN_DEVIATION_BANDWIDTHS: f32 = 0.1;
 /// Turn of the motional phase at the lock point by other resonances, if a scan has found some, rad.
-const OTHER_MODES_RAD: f32 = 0.02;
+pub(crate) const OTHER_MODES_RAD: f32 = 0.02;
 /// Turn of the motional phase by other resonances, rad, for a first clamped branch that was wrong
 /// by the motional conductance.
 const WRONG_BRANCH_RAD: f32 = 0.5;
@@ -48,7 +48,7 @@ impl Tracker {
             stray: Stray::default(),
             observed: (config.tracking.mode == TrackingMode::Observer)
                 .then(|| Observed::new(config.drive.frequency_hz, block_s, config.tracking.span * config.drive.frequency_hz)),
-            fast: false,
+            unobserved: None,
             known: Known::default(),
             lock: LockDetector::default(),
             ringing_siemens: f32::INFINITY,
@@ -73,9 +73,9 @@ impl Tracker {
         self.observed.iter_mut().for_each(Observed::restart);
     }
 
-    /// Creates the observer again after a fast resonance.
+    /// Creates the observer again after a resonance that the phase loop tracked.
     fn bring_back_observer(&mut self) {
-        if core::mem::take(&mut self.fast) {
+        if self.unobserved.take().is_some() {
             self.observed = Some(Observed::new(self.nominal_hz, self.block_s, self.window_hz()));
         }
     }
@@ -104,9 +104,9 @@ impl Tracker {
     }
 
     /// Starts the next attempt to lock, and returns its kind; `None` without an observer or after
-    /// the last attempt. The only one of a fast resonance begins with the self-test.
+    /// the last attempt. The only one of an unobserved resonance begins with the self-test.
     pub(crate) fn retry_lock(&mut self, was_locked: bool) -> Option<Retry> {
-        if self.fast {
+        if self.unobserved.is_some() {
             let again = was_locked && self.blocks > LASTED_BLOCKS || self.stray.take_second_scan();
             self.restart_clock(0.0);
             return again.then_some(Retry::Calibrate);
@@ -117,8 +117,9 @@ impl Tracker {
     }
 
     /// Starts on a transducer that a scan has found and that rings at its resonance. `noise_a` is
-    /// the rms noise of a block's current, A.
-    pub fn seed(&mut self, transducer: &Transducer, branch: Motional, noise_a: f32) {
+    /// the rms noise of a block's current, A; `crowded`: another resonance is within about a
+    /// bandwidth.
+    pub fn seed(&mut self, transducer: &Transducer, branch: Motional, noise_a: f32, crowded: bool) {
         self.motional = branch;
         self.known = Known {
             c0_f: (transducer.c0_f, transducer.deviations.c0_f),
@@ -133,8 +134,10 @@ impl Tracker {
         self.restart_clock(transducer.time_constant_s() / self.block_s);
         self.on_blocks = self.ring_up_blocks;
         self.bring_back_observer();
-        if transducer.time_constant_s() < MIN_OBSERVED_BLOCKS * self.block_s {
-            self.fast = self.observed.take().is_some();
+        let fast = transducer.time_constant_s() < MIN_OBSERVED_BLOCKS * self.block_s;
+        if fast || crowded {
+            let reason = if fast { Unobserved::Fast } else { Unobserved::Crowded };
+            self.unobserved = self.observed.take().map(|_| reason);
         }
         if let Some(observed) = &mut self.observed {
             let spread_hz = SCAN_DEVIATION_BANDWIDTHS * transducer.series_resonance_hz / transducer.q;

@@ -129,7 +129,7 @@ fn inspect(
 fn tracking(print: Print, mode: TrackingMode, block_s: f32, name: &str) {
     let branch = Motional::of_capacitance(STACK.c0_f, STACK.series_resonance_hz);
     let mut tracker = Tracker::build(&config(mode, 4, SAMPLES), block_s).expect("valid tracking");
-    tracker.seed(&STACK, branch, NOISE_A);
+    tracker.seed(&STACK, branch, NOISE_A, false);
     let follow = |tracker: &mut Tracker| {
         let (sensed, current, played) = black_box(&(AT_RESONANCE, CURRENT, PLAYED));
         black_box(tracker.follow(sensed, *current, *current, played));
