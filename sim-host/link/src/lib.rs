@@ -39,9 +39,11 @@ pub mod admittance;
 pub mod answer;
 pub mod client;
 pub mod commands;
-#[cfg(target_os = "linux")]
+#[cfg(all(target_os = "linux", feature = "host"))]
 pub mod emulated_board;
 pub mod expect;
+pub mod files;
+#[cfg(feature = "host")]
 pub mod flash_file;
 pub mod link_error;
 pub mod parameter;
@@ -51,9 +53,11 @@ pub mod raw_frame;
 pub mod refusal;
 pub mod scale;
 pub mod script;
+#[cfg(feature = "host")]
 pub mod serve;
 pub mod session;
 pub mod simulated_board;
 pub mod terminal_plot;
+#[cfg(feature = "host")]
 pub mod update_file;
 pub mod words;

@@ -1,0 +1,170 @@
+//! A board that is connected to the page: a serial port of the browser, or a simulated board.
+//!
+//! ```text
+//! page (page/board/*.js) <-- bytes --> Port ---+
+//!       |                                      +--> link::Session: the client of the command line
+//!       +-- requests, events --> mailbox ------+
+//! ```
+//!
+//! [`talk`] holds the session from the connection to its end. It waits for bytes as on the host:
+//! the browser suspends the stack of the module meanwhile. A page only sends lines of the script
+//! grammar, and receives the answers of the command line.
+
+mod mailbox;
+mod parameters;
+#[cfg(target_arch = "wasm32")]
+mod ports;
+mod report;
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+use firmware::board::command::Command;
+use firmware::board::link::encode;
+use link::client::Client;
+use link::commands::settings::SettingsOrder;
+use link::commands::{Order, identify};
+use link::files::in_memory as files;
+use link::link_error::LinkError;
+use link::port::Port;
+use link::script::Script;
+use link::session::{Live, Session, SessionOptions};
+use serde_json::{Value, json};
+
+pub use mailbox::{Request, tell};
+#[cfg(target_arch = "wasm32")]
+pub use ports::{PagePort, simulated};
+
+/// Longest host timeout of a page's drive, s. The board's setting is used if it is shorter.
+const MAX_HOST_TIMEOUT_S: f32 = 1.0;
+/// Interval of the reports while no command runs, s.
+const REPORT_INTERVAL_S: f64 = 0.05;
+/// Time after which the board is asked for reports again while no command runs.
+const IDLE_TIME: Duration = Duration::from_secs(600);
+/// Sequence number of the stop order that the page sends past this session. The session counts its
+/// acknowledgement as late.
+const STOP_SEQUENCE: u16 = u16::MAX;
+/// Setting that a page does not change, because it bounds the time of a drive without a host.
+const HOST_TIMEOUT: &str = "link.patience_s";
+
+/// `true` after the page has requested the present command to end.
+pub static STOP: AtomicBool = AtomicBool::new(false);
+
+/// Connects, and serves the requests of the page until it leaves or the board is lost.
+pub fn talk(port: Box<dyn Port>) {
+    STOP.store(false, Ordering::Relaxed);
+    let client = Client::new(port, &STOP, |note| tell(&json!({ "event": "note", "text": note })));
+    let ended = connected(client).and_then(|mut session| {
+        let ended = serve(&mut session);
+        let left = session.leave();
+        ended.and(left.map(drop))
+    });
+    tell(&json!({ "event": "ended", "error": ended.err().map(|error| error.to_string()) }));
+}
+
+/// Begins the session, and tells the page about the board.
+fn connected(client: Client) -> Result<Session, LinkError> {
+    let mut session = Session::begin(client, SessionOptions::default())?;
+    session.bound_host_timeout(MAX_HOST_TIMEOUT_S);
+    session.live = Live {
+        stage: Some(|stage| tell(&json!({ "event": "stage", "text": stage }))),
+        report: None,
+        telemetry: Some(report::pass),
+    };
+    let answer = identify::run(&mut session)?;
+    tell(&json!({ "event": "connected", "text": answer.text, "fields": answer.fields }));
+    tell_stop(&session)?;
+    Ok(session)
+}
+
+/// Gives the page the frame that stops the drive in this session.
+fn tell_stop(session: &Session) -> Result<(), LinkError> {
+    let frame = encode(STOP_SEQUENCE, session.client.session(), Command::Idle)
+        .map_err(|_| LinkError::Failed("the order to stop does not fit into a frame".into()))?;
+    tell(&json!({ "event": "stop_frame", "bytes": frame.as_slice() }));
+    Ok(())
+}
+
+/// Serves requests until the page leaves. Between them, the board reports.
+fn serve(session: &mut Session) -> Result<(), LinkError> {
+    let mut armed = false;
+    let every = (REPORT_INTERVAL_S / session.scale()?.block_s) as u32;
+    loop {
+        let done = match mailbox::take() {
+            Some(Request::Leave) => return Ok(()),
+            Some(Request::Arm { armed: wanted }) => {
+                armed = wanted;
+                tell(&json!({ "event": "armed", "armed": armed }));
+                Ok(())
+            }
+            Some(Request::Parameters { id }) => {
+                let listed = parameters::list(session);
+                finished(id, listed.map(|parameters| json!({ "event": "parameters", "parameters": parameters })))
+            }
+            Some(Request::File { name, bytes }) => {
+                files::put(name.into(), bytes);
+                Ok(())
+            }
+            Some(Request::Lines { id, text }) => finished(id, run(&text, armed, session).map(|()| Value::Null)),
+            None => session.watch(IDLE_TIME, every, |_| mailbox::is_waiting().then_some(())).map(drop),
+        };
+        if let Err(error) = done {
+            match error.cause() {
+                LinkError::Interrupted => {
+                    session.client.ignore_ctrl_c();
+                    session.client.order(Command::Idle)?;
+                    session.mark_silent();
+                    tell(&json!({ "event": "stopped" }));
+                }
+                _ => return Err(error),
+            }
+        }
+        // A command may have ignored interruptions at its end.
+        STOP.store(false, Ordering::Relaxed);
+        session.client.heed(&STOP);
+    }
+}
+
+/// Tells the page that a request is complete. Only the loss of the board and an interruption are
+/// errors of the session.
+fn finished(id: u32, done: Result<Value, LinkError>) -> Result<(), LinkError> {
+    let error = done.as_ref().err().map(ToString::to_string);
+    if let Ok(event @ Value::Object(_)) = &done {
+        tell(event);
+    }
+    tell(&json!({ "event": "done", "id": id, "error": error }));
+    match done {
+        Err(error) if error.is_lost() || matches!(error.cause(), LinkError::Interrupted) => Err(error),
+        _ => Ok(()),
+    }
+}
+
+/// Runs lines of a script. Only an armed session carries out commands that act.
+fn run(text: &str, armed: bool, session: &mut Session) -> Result<(), LinkError> {
+    let script = Script::parse("command", text)?;
+    for order in script.orders() {
+        if !armed && !order.only_reads() {
+            return Err(LinkError::Usage(format!("`{}` acts on the board: arm this connection first", order.name())));
+        }
+        if matches!(order, Order::Settings(SettingsOrder::Set { name, .. }) if name == HOST_TIMEOUT) {
+            let why = format!("`{HOST_TIMEOUT}` is not changed by a page, because it stops the drive if the page fails");
+            return Err(LinkError::Usage(why));
+        }
+    }
+    let session_before = session.client.session();
+    let done = script.run(session, |line, done| {
+        let answer = match done {
+            Ok(answer) => json!({ "event": "answer", "line": line.text, "text": answer.text, "fields": answer.fields }),
+            Err(error) => json!({ "event": "answer", "line": line.text, "error": error.to_string() }),
+        };
+        tell(&answer);
+        for (name, text) in files::take() {
+            tell(&json!({ "event": "file", "name": name, "text": text }));
+        }
+        Ok(())
+    });
+    if session.client.session() != session_before {
+        tell_stop(session)?;
+    }
+    done
+}
