@@ -23,13 +23,19 @@ export class Core {
     return WebAssembly.compile(await new Response(unpacked).arrayBuffer());
   }
 
-  async #start() {
-    const module = await this.#module;
-    if (this.#worker) return this.#worker;
+  /** Starts a worker with the module. */
+  async spawn() {
     const worker = new Worker(this.script);
+    worker.postMessage({ module: await this.#module });
+    return worker;
+  }
+
+  async #start() {
+    await this.#module;
+    if (this.#worker) return this.#worker;
+    const worker = await this.spawn();
     worker.onmessage = ({ data }) => this.#receive(data);
     worker.onerror = (event) => this.#lost(event.message);
-    worker.postMessage({ module });
     this.#worker = worker;
     return worker;
   }

@@ -15,6 +15,7 @@ mod parameters;
 #[cfg(target_arch = "wasm32")]
 mod ports;
 mod report;
+mod tapped;
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
@@ -30,6 +31,8 @@ use link::port::Port;
 use link::script::Script;
 use link::session::{Live, Session, SessionOptions};
 use serde_json::{Value, json};
+
+use self::tapped::Tapped;
 
 pub use mailbox::{Request, tell};
 #[cfg(target_arch = "wasm32")]
@@ -53,13 +56,14 @@ pub static STOP: AtomicBool = AtomicBool::new(false);
 /// Connects, and serves the requests of the page until it leaves or the board is lost.
 pub fn talk(port: Box<dyn Port>) {
     STOP.store(false, Ordering::Relaxed);
-    let client = Client::new(port, &STOP, |note| tell(&json!({ "event": "note", "text": note })));
+    let (port, hashes) = Tapped::new(port);
+    let client = Client::new(Box::new(port), &STOP, |note| tell(&json!({ "event": "note", "text": note })));
     let ended = connected(client).and_then(|mut session| {
         let ended = serve(&mut session);
         let left = session.leave();
         ended.and(left.map(drop))
     });
-    tell(&json!({ "event": "ended", "error": ended.err().map(|error| error.to_string()) }));
+    tell(&json!({ "event": "ended", "error": ended.err().map(|error| error.to_string()), "dialogue": hashes.text() }));
 }
 
 /// Begins the session, and tells the page about the board.
@@ -88,7 +92,8 @@ fn tell_stop(session: &Session) -> Result<(), LinkError> {
 /// Serves requests until the page leaves. Between them, the board reports.
 fn serve(session: &mut Session) -> Result<(), LinkError> {
     let mut armed = false;
-    let every = (REPORT_INTERVAL_S / session.scale()?.block_s) as u32;
+    let converters = session.identity.converters;
+    let every = (REPORT_INTERVAL_S * f64::from(converters.sample_hz) / f64::from(converters.block_samples)) as u32;
     loop {
         let done = match mailbox::take() {
             Some(Request::Leave) => return Ok(()),
@@ -167,4 +172,100 @@ fn run(text: &str, armed: bool, session: &mut Session) -> Result<(), LinkError> 
         tell_stop(session)?;
     }
     done
+}
+
+#[cfg(test)]
+mod tests {
+    use std::cell::RefCell;
+    use std::rc::Rc;
+
+    use link::port::Simulated;
+    use link::simulated_board::SimulatedBoard;
+    use scene::load::load;
+
+    use super::*;
+    use crate::board::mailbox::channel::{EVENTS, REQUESTS};
+
+    static NEVER: AtomicBool = AtomicBool::new(false);
+
+    /// Commands of the dialogue that is compared.
+    const SCRIPT: &str = include_str!("../tests/dialogue.txt");
+    /// Hashes of its bytes, which the test of the page in a browser reads as well.
+    const HASHES: &str = include_str!("../tests/dialogue.hash");
+
+    fn port() -> Box<dyn Port> {
+        let loaded = load("lock", &[]).unwrap();
+        let board = SimulatedBoard::new(&loaded.scene.driven().unwrap(), 0).unwrap();
+        Box::new(Simulated::new("sim:lock", Rc::new(RefCell::new(board)), false))
+    }
+
+    fn ask(request: &Value) {
+        REQUESTS.with_borrow_mut(|requests| requests.push_back(request.to_string()));
+    }
+
+    /// Answers these requests, and returns the events.
+    fn talked(requests: &[Value]) -> Vec<Value> {
+        requests.iter().for_each(ask);
+        ask(&json!({ "ask": "leave" }));
+        talk(port());
+        EVENTS.take()
+    }
+
+    fn lines(id: u32, text: &str) -> Value {
+        json!({ "ask": "lines", "id": id, "text": text })
+    }
+
+    fn of<'a>(events: &'a [Value], name: &str) -> Vec<&'a Value> {
+        events.iter().filter(|event| event["event"] == name).collect()
+    }
+
+    #[test]
+    fn the_dialogue_is_that_of_the_command_line_byte_for_byte() {
+        let (tapped, hashes) = Tapped::new(port());
+        let mut session = Session::begin(Client::new(Box::new(tapped), &NEVER, |_| ()), SessionOptions::default()).unwrap();
+        let script = Script::parse("dialogue", &format!("identify\n{SCRIPT}")).unwrap();
+        script.run(&mut session, |_, _| Ok(())).unwrap();
+        session.leave().unwrap();
+        let events = talked(&[json!({ "ask": "arm", "armed": true }), lines(1, SCRIPT)]);
+        assert_eq!(of(&events, "ended"), [&json!({ "event": "ended", "error": null, "dialogue": hashes.text() })]);
+        assert_eq!(hashes.text(), HASHES.trim(), "if the protocol has changed: these are the new hashes of tests/dialogue.hash");
+    }
+
+    #[test]
+    fn a_connection_only_reads_until_it_is_armed() {
+        let events = talked(&[lines(1, "status"), lines(2, "status\nlock"), json!({ "ask": "arm", "armed": true }), lines(3, "lock")]);
+        let done: Vec<&Value> = of(&events, "done").into_iter().map(|event| &event["error"]).collect();
+        assert_eq!(done, [&Value::Null, &json!("`lock` acts on the board: arm this connection first"), &Value::Null]);
+        let answers: Vec<&Value> = of(&events, "answer").into_iter().map(|event| &event["line"]).collect();
+        assert_eq!(answers, ["status", "lock"]);
+    }
+
+    #[test]
+    fn the_host_timeout_is_never_raised() {
+        let raise = json!({ "ask": "lines", "id": 1, "text": "settings set link.patience_s 0" });
+        let events = talked(&[json!({ "ask": "arm", "armed": true }), raise]);
+        assert!(of(&events, "done")[0]["error"].as_str().unwrap().contains("is not changed by a page"), "{events:?}");
+    }
+
+    #[test]
+    fn a_proposal_is_stored_by_its_script() {
+        let arm = json!({ "ask": "arm", "armed": true });
+        let events = talked(&[arm.clone(), lines(1, "commission --band 30k:45k --max-volts 3 -o here")]);
+        let files = of(&events, "file");
+        let names: Vec<&Value> = files.iter().map(|event| &event["name"]).collect();
+        assert!(names.iter().any(|name| *name == "here/settings.txt") && names.iter().any(|name| *name == "here/twin.toml"), "{names:?}");
+        let script = files.iter().find(|event| event["name"] == "here/settings.txt").unwrap()["text"].as_str().unwrap();
+        let events = talked(&[arm, lines(2, script), lines(3, "lock")]);
+        assert!(of(&events, "done").iter().all(|event| event["error"].is_null()), "{events:?}");
+        assert_eq!(of(&events, "stop_frame").len(), 2, "a restart begins another session");
+    }
+
+    #[test]
+    fn every_setting_is_listed_with_its_meaning() {
+        let events = talked(&[json!({ "ask": "parameters", "id": 1 })]);
+        let listed = of(&events, "parameters")[0]["parameters"].as_array().unwrap().clone();
+        let without: Vec<_> = listed.iter().filter(|one| one["meaning"].is_null()).map(|one| one["name"].to_string()).collect();
+        assert!(listed.len() > 50, "{}", listed.len());
+        assert_eq!(without, Vec::<String>::new());
+    }
 }

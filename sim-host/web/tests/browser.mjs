@@ -41,7 +41,7 @@ export class Browser {
   }
 
   /** Opens a page of a given size at an address. */
-  async page(address, { width = 1280, height = 900, dark = false, still = true } = {}) {
+  async page(address, { width = 1280, height = 900, dark = false, still = true, prepare = null } = {}) {
     const { targetId } = await this.send("Target.createTarget", { url: "about:blank" });
     const { sessionId } = await this.send("Target.attachToTarget", { targetId, flatten: true });
     const page = new Page(this, sessionId, targetId);
@@ -50,6 +50,7 @@ export class Browser {
     await page.send("Emulation.setDeviceMetricsOverride", { width, height, deviceScaleFactor: 1, mobile: width < 500 });
     const features = [{ name: "prefers-color-scheme", value: dark ? "dark" : "light" }, { name: "prefers-reduced-motion", value: still ? "reduce" : "no-preference" }];
     await page.send("Emulation.setEmulatedMedia", { features });
+    await prepare?.(page);
     await page.send("Page.navigate", { url: address });
     return page;
   }
@@ -75,6 +76,7 @@ export class Page {
   }
 
   heard(method, params) {
+    if (method === "Runtime.bindingCalled") this.onbinding?.(params);
     if (method === "Runtime.exceptionThrown") this.complaints.push(params.exceptionDetails.exception?.description ?? params.exceptionDetails.text);
     if (method === "Runtime.consoleAPICalled" && ["error", "warning", "assert"].includes(params.type)) this.complaints.push(params.args.map((value) => value.value ?? value.description).join(" "));
     if (method === "Log.entryAdded" && ["error", "warning"].includes(params.entry.level)) this.complaints.push(params.entry.text);
@@ -101,7 +103,7 @@ export class Page {
   }
 
   async key(key, modifiers = 0) {
-    const codes = { Tab: 9, Enter: 13, " ": 32, ArrowRight: 39, ArrowLeft: 37, Home: 36 };
+    const codes = { Tab: 9, Escape: 27, Enter: 13, " ": 32, ArrowRight: 39, ArrowLeft: 37, Home: 36 };
     const event = { key, code: key === " " ? "Space" : key, windowsVirtualKeyCode: codes[key], modifiers, text: key === "Enter" ? "\r" : key === " " ? " " : undefined };
     await this.send("Input.dispatchKeyEvent", { type: event.text ? "keyDown" : "rawKeyDown", ...event });
     await this.send("Input.dispatchKeyEvent", { type: "keyUp", ...event, text: undefined });

@@ -22,7 +22,7 @@ pub struct Parts<'a> {
 }
 
 /// Modules of the page, each after those that it imports.
-const MODULES: [&str; 13] = [
+const MODULES: [&str; 18] = [
     "format.js",
     "dom.js",
     "core.js",
@@ -35,9 +35,15 @@ const MODULES: [&str; 13] = [
     "motor.js",
     "crash.js",
     "files.js",
+    "board/connection.js",
+    "board/recorder.js",
+    "board/settings.js",
+    "board/tabs.js",
+    "board/board.js",
     "main.js",
 ];
-const STYLES: [&str; 4] = ["../../report/assets/uPlot.min.css", "../../report/assets/crash.css", "page.css", "result.css"];
+const STYLES: [&str; 5] =
+    ["../../report/assets/uPlot.min.css", "../../report/assets/crash.css", "page.css", "result.css", "board/board.css"];
 
 /// Compresses as a server would.
 pub fn gzip(bytes: &[u8]) -> Result<Vec<u8>> {
@@ -57,9 +63,10 @@ pub fn page(parts: &Parts) -> Result<String> {
     let library =
         format!("/*\n{}*/\n{}", read("../../report/assets/uPlot.LICENSE")?, read("../../report/assets/uPlot.iife.min.js")?);
     let plots = [library, read("../../report/assets/report.js")?, read("../../report/assets/crash.js")?].join("\n");
-    let worker = [parts.core.glue.clone(), read("worker.js")?].join("\n");
+    let worker = [parts.core.glue.clone(), read("worker.js")?, read("board/link-worker.js")?].join("\n");
     let mut page = read("index.html")?;
     for (mark, text) in [
+        ("<!-- board -->\n", &read("board/board.html")?),
         ("/* style */", &styles),
         ("/* plots */", &script(&plots)),
         ("/* worker */", &script(&worker)),

@@ -1,0 +1,331 @@
+// The screen of a connected board: read-only until it is armed. Its commands are lines of the script
+// grammar, and its answers those of the command line.
+import { byId, download, make } from "../dom.js";
+import { digits, quantity } from "../format.js";
+import { drawPath } from "../path.js";
+import { Scope } from "../scope.js";
+import { Connection, openSerial, unsupported } from "./connection.js";
+import { Recorder } from "./recorder.js";
+import { Settings } from "./settings.js";
+import { Tabs } from "./tabs.js";
+
+/** Commands that only read, sent after the connection. */
+const FIRST_LOOK = ["status", "fault log", "update"];
+/** Scene of the simulated board at the start. */
+const FIRST_BOARD = "transducer-skymen-60w";
+/** Interval of the drawings, ms, and number of dots in the admittance plane. */
+const DRAW_MS = 100, MAX_DOTS = 3000, MAX_LOG = 400000;
+
+export class Board {
+  constructor(core) {
+    this.core = core;
+    this.connection = null;
+    this.twin = null;
+    this.scope = new Scope(byId("b-scope"));
+    this.settings = new Settings((name, value) => this.run(`settings set ${name} ${value}`).then(() => this.#listSettings()));
+    this.tabs = new Tabs({ onreport: (report, name) => this.#foreign(report, name), onstop: () => this.#stop() });
+    this.#clear();
+    this.#listen();
+    const why = unsupported({ serial: true });
+    byId("b-unsupported").textContent = why ?? "";
+    byId("b-unsupported").hidden = why === null;
+    byId("b-connect").disabled = why !== null;
+    byId("b-simulate").disabled = unsupported({ serial: false }) !== null;
+  }
+
+  /** Offers the scenes that have a controller as simulated boards. */
+  offer(scenes) {
+    byId("b-scene").replaceChildren(...scenes.filter(({ driven }) => driven).map(({ name, title }) => make("option", { value: name, title, selected: name === FIRST_BOARD }, name)));
+  }
+
+  #clear() {
+    this.recorder = new Recorder();
+    this.dots = [];
+    this.armed = false;
+    this.paused = false;
+    this.mark = null;
+    this.commands = [];
+    this.files = new Map();
+    this.fault = null;
+    this.looks = 0;
+  }
+
+  #listen() {
+    byId("b-connect").addEventListener("click", async () => {
+      this.#complain(null);
+      try {
+        this.#open({ port: await openSerial() }, "the serial port");
+      } catch (error) {
+        this.#complain(error.name === "NotFoundError" ? "No port was chosen." : error.message);
+      }
+    });
+    byId("b-simulate").addEventListener("click", () => this.#open({ scene: { name: byId("b-scene").value } }, `a simulated board, \`${byId("b-scene").value}\``));
+    byId("b-leave").addEventListener("click", () => { this.twin?.connection.leave(); this.connection?.leave(); });
+    byId("b-stop").addEventListener("click", () => this.stop());
+    // In the capture phase, before any other use of the key.
+    document.addEventListener("keydown", (event) => { if (event.key === "Escape") this.stop(); }, true);
+    byId("b-arm").addEventListener("click", () => this.connection?.ask({ ask: "arm", armed: !this.armed }));
+    byId("b-commission").addEventListener("submit", (event) => { event.preventDefault(); this.#commission(); });
+    byId("b-accept").addEventListener("click", () => this.#accept());
+    byId("b-twin").addEventListener("click", () => this.#startTwin());
+    for (const button of document.querySelectorAll("[data-run]")) button.addEventListener("click", () => this.run(button.dataset.run));
+    for (const form of document.querySelectorAll("[data-form]")) form.addEventListener("submit", (event) => { event.preventDefault(); this.run(`${form.dataset.form} ${form.querySelector("input").value.trim()}`); });
+    byId("b-command-form").addEventListener("submit", (event) => {
+      event.preventDefault();
+      const line = byId("b-command").value.trim();
+      if (line) this.run(line);
+      byId("b-command").value = "";
+    });
+    byId("b-update").addEventListener("change", () => this.#update());
+    byId("b-store").addEventListener("click", () => this.run("settings store\nreset").then(() => this.#listSettings()));
+    byId("b-settings-panel").addEventListener("toggle", () => { if (byId("b-settings-panel").open) this.#listSettings(); });
+    byId("b-pause").addEventListener("click", () => this.#pause(!this.paused));
+    byId("b-time").addEventListener("input", () => { this.#pause(true); this.#cursor(); });
+    byId("b-mark").addEventListener("click", () => { this.mark = this.recorder.at([this.scope.moment])[0]; this.#cursor(); });
+    byId("b-record").addEventListener("click", () => this.#record());
+    byId("b-save-log").addEventListener("click", () => download("board-log.txt", byId("b-log").textContent));
+    byId("b-save-script").addEventListener("click", () => download("commands.txt", `${this.commands.join("\n")}\n`));
+    setInterval(() => this.#draw(), DRAW_MS);
+  }
+
+  async #open(port, name) {
+    if (this.connection) return;
+    this.#clear();
+    this.#complain(null);
+    this.name = name;
+    byId("b-log").textContent = "";
+    byId("b-state").textContent = `Connecting to ${name} …`;
+    this.connection = new Connection(await this.core.spawn(), port, (event) => this.#take(event));
+    this.#shape();
+  }
+
+  /** Shows what is possible in the present state. */
+  #shape() {
+    const on = this.connection !== null;
+    for (const id of ["b-live", "b-bar", "b-arm-panel", "b-acts"]) byId(id).hidden = !on;
+    byId("b-connects").hidden = on;
+    byId("b-leave").disabled = !on;
+    document.body.classList.toggle("connected", on);
+    byId("b-acts").disabled = byId("b-store").disabled = !this.armed;
+    byId("b-arm").textContent = this.armed ? "Disarm" : "Arm";
+    byId("b-arm").setAttribute("aria-pressed", this.armed);
+    byId("b-armed").textContent = this.armed ? "armed" : "read-only";
+    document.body.dataset.board = on ? (this.armed ? "armed" : "connected") : "";
+  }
+
+  #complain(text) {
+    byId("b-error").hidden = !text;
+    byId("b-error").textContent = text ?? "";
+  }
+
+  #log(text) {
+    const log = byId("b-log"), follows = log.scrollTop + log.clientHeight >= log.scrollHeight - 8;
+    log.textContent = (log.textContent + text.replace(/\n?$/, "\n")).slice(-MAX_LOG);
+    if (follows) log.scrollTop = log.scrollHeight;
+  }
+
+  #take(told) {
+    switch (told.event) {
+      case "connected":
+        byId("b-state").textContent = `Connected to ${this.name}, read-only.`;
+        byId("b-identity").textContent = told.text;
+        byId("b-warnings").replaceChildren();
+        for (const line of FIRST_LOOK) this.run(line, false);
+        break;
+      case "armed": this.armed = told.armed; this.#shape(); break;
+      case "report": this.#report(told.report); break;
+      case "answer": this.#answer(told); break;
+      case "file": this.files.set(told.name, told.text); this.#showFiles(); break;
+      case "parameters": this.settings.show(told.parameters); break;
+      case "note": this.#log(`  ${told.text}`); byId("b-state").textContent = told.text; break;
+      case "stage": byId("b-state").textContent = `${told.text} …`; break;
+      case "stopped": this.#log("stopped: the drive is silent"); byId("b-state").textContent = "Stopped: the drive is silent."; break;
+      case "hidden": this.#log("the page was hidden: the drive was stopped, and the connection is disarmed"); this.armed = false; this.#shape(); break;
+      case "ended": this.#ended(told.error); break;
+      default: break;
+    }
+  }
+
+  #ended(error) {
+    this.twin?.connection.leave();
+    this.twin = null;
+    this.connection = null;
+    this.armed = false;
+    this.tabs.release();
+    this.#shape();
+    byId("b-live").hidden = this.recorder.reports.length === 0;
+    byId("b-proposal").hidden = true;
+    byId("b-state").textContent = error ? "The connection has ended." : "Disconnected: the drive is silent.";
+    this.#complain(error);
+    if (error) this.#log(`error: ${error}`);
+  }
+
+  #answer({ line, text, error, fields }) {
+    this.#log(`> ${line}\n${error ? `error: ${error}` : text}`);
+    if (error) return;
+    if (this.looks < FIRST_LOOK.length) {
+      this.looks += 1;
+      byId("b-identity").textContent += text;
+    }
+    const warnings = [...(fields.option_bytes_wrong ?? []).map((what) => `option bytes: ${what}`), ...(fields.accepts_development_key ? ["This board accepts updates by the development key, which is public."] : [])];
+    for (const words of warnings) if (![...byId("b-warnings").children].some((item) => item.textContent === words)) byId("b-warnings").append(make("li", { class: "warning" }, words));
+    if (line.startsWith("commission")) this.#propose(text);
+  }
+
+  /** Runs lines; the first error is shown. */
+  async run(text, kept = true) {
+    if (!this.connection) return "not connected";
+    this.#complain(null);
+    if (kept) this.commands.push(text);
+    const mirrored = this.twin?.mirrors(text);
+    const error = await this.connection.run(text);
+    await mirrored;
+    if (error && error !== "stopped") this.#complain(error);
+    return error;
+  }
+
+  /** Stops the drive of the board, here or in another tab. */
+  stop() {
+    this.#stop();
+    this.tabs.stop();
+  }
+
+  #stop() {
+    this.connection?.stop();
+    this.twin?.connection.stop();
+  }
+
+  async #commission() {
+    const hertz = (id) => String(Math.round(1e6 * Number(byId(id).value.replace(",", "."))) / 1e3);
+    byId("b-proposal").hidden = true;
+    this.files.clear();
+    this.dots = [];
+    const error = await this.run(`commission --band ${hertz("b-low")}:${hertz("b-high")} --max-volts ${byId("b-volts").value.trim()} -o commission`);
+    if (!error) byId("b-state").textContent = "Settings are proposed; the board has its former ones.";
+  }
+
+  #propose(text) {
+    byId("b-proposed").textContent = text.split("\n").filter((line) => !line.startsWith("written:")).join("\n");
+    byId("b-proposal").hidden = false;
+  }
+
+  async #accept() {
+    const script = this.files.get("commission/settings.txt");
+    const error = await this.run(script.split("\n").filter((line) => !line.startsWith("#")).join("\n").trim());
+    if (error) return;
+    byId("b-proposal").hidden = true;
+    byId("b-state").textContent = "Stored and active: the board is tuned to this transducer.";
+    document.body.dataset.tuned = "yes";
+    this.#listSettings();
+  }
+
+  #showFiles() {
+    byId("b-files").replaceChildren(...[...this.files].map(([name, text]) => make("button", { type: "button", onclick: () => download(name.replace("/", "-"), text) }, name.split("/").at(-1))));
+  }
+
+  async #startTwin() {
+    if (this.twin) return;
+    const text = this.files.get("commission/twin.toml"), recorder = new Recorder();
+    const take = ({ event, report, error }) => {
+      if (event === "connected") { connection.ask({ ask: "arm", armed: true }); this.#log("the twin runs next to the board"); }
+      if (event === "report") recorder.take(report);
+      if (event === "ended") { this.twin = null; if (error) this.#complain(`The twin: ${error}`); }
+    };
+    const connection = new Connection(await this.core.spawn(), { scene: { name: "twin.toml", text } }, take);
+    this.twin = { connection, recorder, mirrors: (line) => (/^(lock|drive|burst|friction|scan|fault clear|stop)\b/.test(line) ? connection.run(line) : null) };
+  }
+
+  async #update() {
+    const file = byId("b-update").files[0];
+    if (!file) return;
+    this.connection.ask({ ask: "file", name: "update.bin", bytes: [...new Uint8Array(await file.arrayBuffer())] });
+    await this.run("update update.bin");
+    byId("b-update").value = "";
+  }
+
+  #listSettings() {
+    if (this.connection && byId("b-settings-panel").open) this.connection.request({ ask: "parameters" });
+  }
+
+  #report(report) {
+    this.recorder.take(report);
+    this.tabs.hold(report, this.name);
+    if (report.admittance_s && report.mode !== "run" && report.mode !== "idle") this.dots.push(report.admittance_s.map((siemens) => 1e3 * siemens));
+    if (this.dots.length > MAX_DOTS) this.dots.splice(0, this.dots.length - MAX_DOTS);
+    if ((report.fault ?? null) !== this.fault) {
+      this.fault = report.fault ?? null;
+      byId("b-fault").hidden = this.fault === null;
+      byId("b-fault").textContent = report.fault_text ?? "";
+      if (this.fault !== null) {
+        this.#log(report.fault_text);
+        if (byId("b-on-fault").checked) this.#pause(true);
+      }
+    }
+    this.fresh = true;
+  }
+
+  /** Shows the board that another tab holds. */
+  #foreign(report, name) {
+    if (this.connection) return;
+    byId("b-connects").hidden = name !== null;
+    byId("b-live").hidden = byId("b-bar").hidden = name === null;
+    document.body.classList.toggle("connected", name !== null);
+    byId("b-state").textContent = name === null ? "Not connected." : `Another tab of this page holds ${name}; here it can only be watched, and stopped.`;
+    byId("b-armed").textContent = "watched";
+    if (report) this.recorder.take(report);
+    this.fresh = report !== null;
+  }
+
+  #pause(paused) {
+    this.paused = paused;
+    byId("b-pause").textContent = paused ? "Continue" : "Pause";
+    byId("b-pause").setAttribute("aria-pressed", paused);
+    if (!paused) byId("b-time").value = 1000;
+  }
+
+  #record() {
+    const begins = this.recorder.recorded === null;
+    if (!begins) {
+      download("board.csv", this.recorder.csv(), "text/csv");
+      this.recorder.recorded = null;
+    } else this.recorder.recorded = [];
+    byId("b-record").textContent = begins ? "Stop and save CSV" : "Record";
+    byId("b-record").setAttribute("aria-pressed", begins);
+  }
+
+  #draw() {
+    const report = this.recorder.reports.at(-1);
+    if (!report || !this.fresh || byId("board").hidden) return;
+    this.fresh = false;
+    byId("b-mode").textContent = `${report.mode}${report.locked ? ", locked" : ""}`;
+    const tiles = [["mode", byId("b-mode").textContent], ["frequency", quantity(report.frequency_hz, "Hz")], ["voltage, peak", quantity(report.voltage_v, "V")], ["current, peak", quantity(report.current_a, "A")], ["power", quantity(report.power_w, "W")], ["limit", report.limit_text ?? "none"]];
+    byId("b-tiles").replaceChildren(...tiles.map(([label, value]) => make("div", {}, make("dt", {}, label), make("dd", {}, value))));
+    this.#drawLoop();
+    if (this.paused) return;
+    this.scope.show(this.recorder.scope(this.twin?.recorder));
+    byId("b-legend").replaceChildren(...[["estimate", "board"], ...(this.twin ? [["truth", "twin"]] : [])].map(([role, words]) => make("span", {}, make("i", { class: role }), words)));
+    this.#cursor();
+  }
+
+  #drawLoop() {
+    byId("b-loop-panel").hidden = this.dots.length < 3;
+    if (this.dots.length < 3 || this.dots.length === this.drawn) return;
+    this.drawn = this.dots.length;
+    const series = [{ name: "measured", style: "points", x: this.dots.map(([g]) => g), columns: [this.dots.map(([, b]) => b)] }];
+    drawPath(byId("b-loop"), { x: { label: "conductance [mS]" }, y: { label: "susceptance [mS]" }, plots: [{ series, markers: [] }] });
+  }
+
+  #cursor() {
+    const { data, ends } = this.scope;
+    if (!data || !data.time_s.length) return;
+    const at = ends[0] + (Number(byId("b-time").value) / 1000) * (ends[1] - ends[0]);
+    this.scope.goto(at);
+    byId("b-clock").textContent = `${digits(at, 5)} s`;
+    const place = this.scope.index(at);
+    byId("b-values").replaceChildren(...data.lanes.map(({ id, label, unit, signals }) => {
+      const [board, twin] = signals.map(({ values }) => values[place]);
+      const apart = twin === undefined || twin === null ? null : board - twin, since = this.mark ? board - (this.mark[id] ?? NaN) : null;
+      return make("tr", {}, make("th", { scope: "row" }, label), ...[board, twin, apart, since].map((value) => make("td", { class: "number" }, quantity(value, unit))));
+    }));
+  }
+}

@@ -1,0 +1,274 @@
+// The board's view of the page in a headless Chromium: with the simulated board in the page, and over
+// a stand-in for a serial port with a board that `sim-host link ... serve` simulates.
+import assert from "node:assert/strict";
+import { mkdir, readFile } from "node:fs/promises";
+import { join, resolve } from "node:path";
+import { after, before, test } from "node:test";
+import { setTimeout as sleep } from "node:timers/promises";
+import { pathToFileURL } from "node:url";
+
+import { Browser } from "./browser.mjs";
+import { Cable, ServedBoard } from "./cable.mjs";
+
+const folder = resolve(process.env.SONOGLIDE_PAGE ?? "target/web");
+const address = `${pathToFileURL(join(folder, "sonoglide.html")).href}#board`;
+const state = (name) => `document.body.dataset.board === '${name}'`;
+/** Host timeout of the served board, and time for the commands of a test, ms. */
+const HOST_TIMEOUT_MS = 1000, MARGIN_MS = 400;
+/** Numbers of cables that are pulled and tabs that are closed. */
+const PULLS = Number(process.env.PULLS ?? 6);
+
+let browser;
+before(async () => {
+  await mkdir(join(folder, "pictures"), { recursive: true });
+  browser = await Browser.start(process.env.CHROMIUM ?? "chromium");
+});
+after(() => browser.stop());
+
+/** Opens the view of a board; afterwards there must be no errors and no network requests. */
+async function opened(options, look) {
+  const page = await browser.page(address, options);
+  try {
+    await page.until("document.body.dataset.state === 'done'");
+    await look(page);
+    assert.deepEqual(page.complaints, []);
+    assert.deepEqual(page.requests, []);
+  } finally {
+    await page.close();
+  }
+}
+
+const click = (page, id) => page.value(`(() => { const e = document.getElementById('${id}'); if (e.disabled || e.closest('[disabled]')) throw new Error('${id} is disabled'); globalThis.clicks = (globalThis.clicks ?? 0) + 1; e.click(); })()`);
+const text = (page, id) => page.value(`document.getElementById('${id}').textContent`);
+const type = (page, id, value) => page.value(`document.getElementById('${id}').value = '${value}'`);
+const submit = (page, id) => page.value(`(globalThis.clicks = (globalThis.clicks ?? 0) + 1, document.getElementById('${id}').requestSubmit())`);
+const send = async (page, line) => { await type(page, "b-command", line); await submit(page, "b-command-form"); };
+const logged = (page, words, limit) => page.until(`document.getElementById('b-log').textContent.includes(${JSON.stringify(words)})`, limit);
+
+async function armed(page) {
+  await page.until(`${state("connected")} && document.getElementById('b-log').textContent.includes('> update')`);
+  await click(page, "b-arm");
+  await page.until(state("armed"));
+}
+
+/** Opens a page with a cable to a served board. */
+async function wired(scene, look, options = {}) {
+  const board = await ServedBoard.start(scene);
+  let cable;
+  try {
+    await opened({ ...options, prepare: async (page) => { cable = await Cable.lay(page, board.address); } }, (page) => look(page, cable, board));
+  } finally {
+    cable?.cut();
+    board.stop();
+  }
+}
+
+test("the simulated board has the dialogue of the command line, byte for byte", () => opened({}, async (page) => {
+  const script = await readFile(new URL("dialogue.txt", import.meta.url), "utf8");
+  const hash = (await readFile(new URL("dialogue.hash", import.meta.url), "utf8")).trim();
+  const ended = await page.value(`(async () => {
+    const text = (id) => document.getElementById(id).textContent;
+    const bytes = Uint8Array.from(atob(text("wasm").trim()), (letter) => letter.charCodeAt(0));
+    const module = await WebAssembly.compile(await new Response(new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"))).arrayBuffer());
+    const worker = new Worker(URL.createObjectURL(new Blob([text("worker-text")], { type: "text/javascript" })));
+    worker.postMessage({ module });
+    for (const request of [{ ask: "arm", armed: true }, { ask: "lines", id: 1, text: ${JSON.stringify(script)} }, { ask: "leave" }]) worker.postMessage({ request });
+    worker.postMessage({ connect: { scene: JSON.stringify({ name: "lock" }) } });
+    return new Promise((resolve) => { worker.onmessage = ({ data }) => { const event = JSON.parse(data.event ?? JSON.stringify(data)); if (event.event === "ended" || event.lost || event.panic) resolve(event); }; });
+  })()`);
+  assert.deepEqual(ended, { event: "ended", error: null, dialogue: hash });
+}));
+
+test("a board is only read until it is armed, and STOP and Esc stop it", () => opened({}, async (page) => {
+  await click(page, "b-simulate");
+  await page.until(state("connected"));
+  await logged(page, "> update");
+  assert.match(await text(page, "b-identity"), /a Sonoglide board, firmware .*protocol/);
+  assert.equal(await page.value("document.getElementById('b-acts').matches(':disabled')"), true);
+  await send(page, "lock");
+  await page.until("document.getElementById('b-error').textContent.includes('arm this connection first')");
+  await click(page, "b-arm");
+  await page.until(state("armed"));
+  for (const stop of [() => click(page, "b-stop"), () => page.key("Escape")]) {
+    await send(page, "drive --volts 1");
+    await page.until("document.getElementById('b-mode').textContent === 'run, locked'");
+    await stop();
+    await logged(page, "stopped: the drive is silent");
+    await page.until("document.getElementById('b-mode').textContent === 'idle'");
+    await page.value("document.getElementById('b-log').textContent = ''");
+  }
+  await send(page, "settings set link.patience_s 0");
+  await page.until("document.getElementById('b-error').textContent.includes('is not changed by a page')");
+  await click(page, "b-leave");
+  await page.until("document.getElementById('b-state').textContent === 'Disconnected: the drive is silent.'");
+  // The next connection is armed anew.
+  await click(page, "b-simulate");
+  await page.until(state("connected"));
+  assert.equal(await text(page, "b-armed"), "read-only");
+}));
+
+test("an unknown transducer is tuned in six clicks", { timeout: 120000 }, () => wired("transducer-skymen-60w", async (page, cable, board) => {
+  const began = Date.now();
+  await click(page, "b-connect");
+  await page.until(state("connected"));
+  await click(page, "b-arm");
+  await page.until(state("armed"));
+  await type(page, "b-low", "30");
+  await type(page, "b-high", "50");
+  await type(page, "b-volts", "3");
+  await submit(page, "b-commission");
+  await page.until("!document.getElementById('b-proposal').hidden", 90000);
+  assert.match(await text(page, "b-proposed"), /proposed settings, and their effect or uncertainty/);
+  await page.until("!document.getElementById('b-loop-panel').hidden");
+  await page.picture(join(folder, "pictures", "board-tuned.png"));
+  await click(page, "b-accept");
+  await page.until("document.body.dataset.tuned === 'yes'", 30000);
+  const seconds = (Date.now() - began) / 1000, clicks = await page.value("clicks");
+  console.log(`tuned in ${seconds.toFixed(1)} s and ${clicks} clicks`);
+  assert.ok(clicks <= 6 && seconds <= 90, `${clicks} clicks, ${seconds} s`);
+  await click(page, "b-leave");
+  await page.until("document.getElementById('b-state').textContent.startsWith('Disconnected')");
+  const lock = await board.ask("lock");
+  assert.ok(Math.abs(lock.frequency_hz - 40038.8) < 30, JSON.stringify(lock));
+}));
+
+test("STOP reaches the port at once, also during a capture", () => wired("lock", async (page, cable) => {
+  await click(page, "b-connect");
+  await armed(page);
+  await send(page, "drive --volts 1");
+  await page.until("document.getElementById('b-mode').textContent === 'run, locked'");
+  const delays = [];
+  for (let n = 0; n < 5; n += 1) {
+    await send(page, "capture -o here");
+    await sleep(15 * n);
+    const before = cable.sent.length, at = Date.now();
+    const isStop = ({ bytes }) => bytes.indexOf("ffff03", "hex") >= 0;
+    await page.key("Escape");
+    while (!cable.sent.slice(before).some(isStop)) await sleep(1);
+    delays.push(Date.now() - at);
+    await page.until("document.getElementById('b-mode').textContent === 'idle'");
+    await send(page, "drive --volts 1");
+    await page.until("document.getElementById('b-mode').textContent === 'run, locked'");
+  }
+  console.log(`STOP after ${delays.join(", ")} ms`);
+  assert.ok(delays.every((ms) => ms <= 50), delays.join());
+}));
+
+test("without a living, visible page the board is silent within its host timeout", { timeout: 1800000 }, async () => {
+  const ends = [
+    ["pulled", (page) => page.value("pullCable()")],
+    ["closed", (page) => page.close()],
+    ["hidden", (page) => page.value("(() => { Object.defineProperty(document, 'hidden', { value: true, configurable: true }); document.dispatchEvent(new Event('visibilitychange')); })()")],
+    ["frozen", (page) => page.send("Page.setWebLifecycleState", { state: "frozen" })],
+    ["busy", (page) => page.send("Runtime.evaluate", { expression: "for (const end = Date.now() + 4000; Date.now() < end;);" }).catch(() => {}) && null],
+  ];
+  for (let n = 0; n < PULLS; n += 1) {
+    const [how, end] = ends[n % ends.length], board = await ServedBoard.start("lock");
+    let cable;
+    const page = await browser.page(address, { prepare: async (one) => { cable = await Cable.lay(one, board.address); } });
+    try {
+      await page.until("document.body.dataset.state === 'done'");
+      await click(page, "b-connect");
+      await armed(page);
+      await send(page, "drive --volts 1");
+      await page.until("document.getElementById('b-mode').textContent === 'run, locked'");
+      await sleep(Math.random() * 400);
+      await end(page);
+      await sleep(HOST_TIMEOUT_MS + MARGIN_MS);
+      cable.cut();
+      const { mode } = await board.ask("status");
+      assert.ok(["idle", "fault"].includes(mode), `${how}: ${mode}`);
+      if (how === "pulled") assert.match(await text(page, "b-error"), /lost the serial port: .*cable/);
+    } finally {
+      if (how !== "closed") await page.close().catch(() => {});
+      cable.cut();
+      board.stop();
+    }
+  }
+});
+
+test("foreign devices, other versions and busy ports have a message and no dead end", async () => {
+  const garbage = (bytes) => ({ prepare: async (page) => { (await Cable.lay(page, null)).onsend = (_, cable) => cable.give(bytes); } });
+  await opened(garbage(Buffer.from("hello\r\n")), async (page) => {
+    await click(page, "b-connect");
+    await page.until("document.getElementById('b-error').textContent.includes('answers, but not as a Sonoglide board')");
+    assert.equal(await page.value("document.getElementById('b-connects').hidden"), false);
+    await page.value("globalThis.portIsBusy = true");
+    await click(page, "b-connect");
+    await page.until("document.getElementById('b-error').textContent.includes('another program or tab')");
+    await click(page, "b-simulate");
+    await page.until(state("connected"));
+  });
+  await opened(garbage(Buffer.alloc(0)), async (page) => {
+    await click(page, "b-connect");
+    await page.until("document.getElementById('b-error').textContent.includes('nothing answers there')");
+  });
+});
+
+test("damaged frames are repeated, and a restarted board is a message", () => wired("lock", async (page, cable, board) => {
+  cable.onsend = (bytes) => {
+    // Every fifth frame has a wrong byte.
+    if (cable.sent.length % 5 === 0 && bytes.length > 4) bytes[2] ^= 0x10;
+    cable.socket?.write(bytes);
+  };
+  await click(page, "b-connect");
+  await armed(page);
+  await send(page, "lock");
+  await logged(page, "locked", 20000);
+  cable.onsend = null;
+  await click(page, "b-stop");
+  await page.until("document.getElementById('b-mode').textContent === 'idle'");
+  // A restart by another client ends this session.
+  cable.cut();
+  await board.ask("reset");
+  cable.take("open");
+  await send(page, "status");
+  await page.until("/obeys another session|no answer/.test(document.getElementById('b-error').textContent)");
+  await click(page, "b-connect");
+  await page.until(state("connected"));
+}));
+
+test("the twin runs next to the board, and settings are compared", { timeout: 120000 }, () => opened({}, async (page) => {
+  await page.value("document.getElementById('b-scene').value = 'lock'");
+  await click(page, "b-simulate");
+  await armed(page);
+  await submit(page, "b-commission");
+  await page.until("!document.getElementById('b-proposal').hidden", 90000);
+  await click(page, "b-accept");
+  await page.until("document.body.dataset.tuned === 'yes'", 60000);
+  await page.value("document.getElementById('b-twin').click()");
+  await logged(page, "the twin runs next to the board", 30000);
+  await send(page, "lock");
+  const apart = await page.until("document.getElementById('b-mode').textContent === 'run, locked' && [...document.querySelectorAll('#b-values tr')].find((row) => row.cells[0].textContent === 'frequency' && /^.?\\d+(\\.\\d+)? Hz$/.test(row.cells[3].textContent) && Math.abs(Number(row.cells[3].textContent.replace('\u2212', '-').replace(' Hz', ''))) < 30)?.cells[3].textContent", 30000);
+  console.log(`board − twin: ${apart}`);
+  await click(page, "b-stop");
+  await page.value("document.getElementById('b-settings-panel').open = true");
+  await page.until("document.querySelectorAll('#b-settings tr').length > 50", 30000);
+  await page.value("(() => { const s = document.getElementById('b-differ'); s.value = 'default'; s.dispatchEvent(new Event('change')); })()");
+  assert.match(await text(page, "b-settings"), /tracking\.nominal_q/);
+  await page.picture(join(folder, "pictures", "board-settings.png"));
+}));
+
+test("axe finds nothing at a board, and a phone shows it without horizontal scrolling", async (context) => {
+  const source = await readFile(process.env.AXE ?? "", "utf8").catch(() => null);
+  for (const [name, options] of [["light", {}], ["dark", { dark: true }], ["phone", { width: 390, height: 844 }]]) {
+    await opened(options, async (page) => {
+      await click(page, "b-simulate");
+      await armed(page);
+      await send(page, "drive --volts 1");
+      await page.until("document.getElementById('b-mode').textContent === 'run, locked'");
+      await sleep(700);
+      await page.picture(join(folder, "pictures", `board-${name}.png`));
+      await page.value("document.querySelectorAll('#board details').forEach((one) => { one.open = true; })");
+      await page.until("document.querySelectorAll('#b-settings tr').length > 50", 30000);
+      if (options.width) assert.equal(await page.value("document.documentElement.scrollWidth"), options.width);
+      // The button to stop is not covered.
+      assert.equal(await page.value("(() => { const b = document.getElementById('b-stop').getBoundingClientRect(); return document.elementFromPoint(b.x + b.width / 2, b.y + b.height / 2).id; })()"), "b-stop");
+      if (source === null) return;
+      await page.value(source);
+      const found = await page.value("axe.run(document, { runOnly: ['wcag2a', 'wcag2aa', 'wcag21a', 'wcag21aa', 'wcag22aa', 'best-practice'] }).then(({ violations }) => violations.map(({ id, help, nodes }) => `${id}: ${help}: ${nodes.slice(0, 4).map((node) => node.target + ' ' + (node.any[0]?.message ?? '')).join(', ')}`))");
+      assert.deepEqual(found, [], name);
+    });
+  }
+  if (source === null) context.skip("axe-core could not be installed");
+});
