@@ -1,6 +1,8 @@
 // The simulator, in a separate worker. Stopping a run ends its worker, and the next request starts
 // another.
 
+import { unlzma } from "./lzma.js";
+
 /** An error in a scene, or a run without a result, with the message of the command line. */
 export class SimulatorError extends Error {}
 
@@ -19,8 +21,7 @@ export class Core {
 
   static async #compile(packed) {
     const bytes = Uint8Array.from(atob(packed.trim()), (letter) => letter.charCodeAt(0));
-    const unpacked = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"));
-    return WebAssembly.compile(await new Response(unpacked).arrayBuffer());
+    return WebAssembly.compile(unlzma(bytes));
   }
 
   /** Starts a worker with the module. */

@@ -66,10 +66,12 @@ async function wired(scene, look, options = {}) {
 test("the simulated board has the dialogue of the command line, byte for byte", () => opened({}, async (page) => {
   const script = await readFile(new URL("dialogue.txt", import.meta.url), "utf8");
   const hash = (await readFile(new URL("dialogue.hash", import.meta.url), "utf8")).trim();
+  const unlzma = (await readFile(new URL("../page/lzma.js", import.meta.url), "utf8")).replaceAll("export ", "");
   const ended = await page.value(`(async () => {
     const text = (id) => document.getElementById(id).textContent;
     const bytes = Uint8Array.from(atob(text("wasm").trim()), (letter) => letter.charCodeAt(0));
-    const module = await WebAssembly.compile(await new Response(new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"))).arrayBuffer());
+    ${unlzma}
+    const module = await WebAssembly.compile(unlzma(bytes));
     const worker = new Worker(URL.createObjectURL(new Blob([text("worker-text")], { type: "text/javascript" })));
     worker.postMessage({ module });
     for (const request of [{ ask: "arm", armed: true }, { ask: "lines", id: 1, text: ${JSON.stringify(script)} }, { ask: "leave" }]) worker.postMessage({ request });
