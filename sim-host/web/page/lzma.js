@@ -3,7 +3,7 @@
 // A file begins with 13 bytes: properties, size of the dictionary, and number of bytes. The rest is a
 // range code of literals, matches and repeated matches (7-Zip, LZMA specification).
 
-const FEW_BITS = 11, MOVE = 5, TOP = 2 ** 24;
+const FEW_BITS = 11, MOVE = 5, LEAST_RANGE = 2 ** 24;
 const STATES = 12, POSITIONS = 16, FIRST_LITERAL_STATE = 7;
 /** Number of distance slots with bits of their own, and first slot with direct bits. */
 const SLOTS = 64, FIRST_MODEL_SLOT = 4, FIRST_DIRECT_SLOT = 14, ALIGN_BITS = 4;
@@ -36,7 +36,7 @@ class Bits {
       this.code -= bound;
       table[place] = chance - (chance >>> MOVE);
     }
-    if (this.range < TOP) this.#fill();
+    if (this.range < LEAST_RANGE) this.#fill();
     return isZero ? 0 : 1;
   }
 
@@ -47,7 +47,7 @@ class Bits {
       this.range >>>= 1;
       const bit = this.code >= this.range ? 1 : 0;
       if (bit) this.code -= this.range;
-      if (this.range < TOP) this.#fill();
+      if (this.range < LEAST_RANGE) this.#fill();
       value = value * 2 + bit;
     }
     return value;
