@@ -1,7 +1,9 @@
 // The board's view of the page in a headless Chromium: with the simulated board in the page, and over
 // a stand-in for a serial port with a board that `sim-host link ... serve` simulates.
 import assert from "node:assert/strict";
+import { once } from "node:events";
 import { mkdir, readFile } from "node:fs/promises";
+import { createServer } from "node:http";
 import { join, resolve } from "node:path";
 import { after, before, test } from "node:test";
 import { setTimeout as sleep } from "node:timers/promises";
@@ -107,6 +109,63 @@ test("a board is only read until it is armed, and STOP and Esc stop it", () => o
   await click(page, "b-simulate");
   await page.until(state("connected"));
   assert.equal(await text(page, "b-armed"), "read-only");
+}));
+
+test("a recording has the signals of the drive, and the commands are a script", () => opened({}, async (page) => {
+  const saved = (id) => page.value(`new Promise((resolve) => {
+    const address = URL.createObjectURL;
+    URL.createObjectURL = (blob) => { URL.createObjectURL = address; blob.text().then(resolve); return address.call(URL, blob); };
+    document.getElementById('${id}').click();
+  })`);
+  await click(page, "b-simulate");
+  await armed(page);
+  await click(page, "b-record");
+  await send(page, "scan -o scan");
+  await page.until("!document.getElementById('b-loop-panel').hidden");
+  await send(page, "drive --volts 1 --for 0.2");
+  await logged(page, "the drive is silent", 20000);
+  await page.picture(join(folder, "pictures", "board-scan.png"));
+  const [head, ...rows] = (await saved("b-record")).trim().split("\n").map((row) => row.split(","));
+  const column = (name) => rows.map((row) => row[head.indexOf(name)]);
+  const volts = column("voltage_v").map(Number).filter((_, n) => column("mode")[n] === "run");
+  assert.ok(volts.some((value) => Math.abs(value - 1) < 0.1), volts.slice(0, 20).join());
+  assert.ok(column("time_s").map(Number).every((time, n, all) => n === 0 || time >= all[n - 1]));
+  assert.equal(await saved("b-save-script"), "scan -o scan\ndrive --volts 1 --for 0.2\n");
+}));
+
+test("a second tab of a served page watches the board, and can stop it", async () => {
+  const server = createServer(async (_, response) => response.end(await readFile(join(folder, "sonoglide.html")))).listen(0, "127.0.0.1");
+  await once(server, "listening");
+  const open = async () => {
+    const page = await browser.page(`http://127.0.0.1:${server.address().port}/#board`);
+    await page.until("document.body.dataset.state === 'done'");
+    return page;
+  };
+  const page = await open();
+  await click(page, "b-simulate");
+  await armed(page);
+  await send(page, "drive --volts 1");
+  await page.until("document.getElementById('b-mode').textContent === 'run, locked'");
+  const other = await open();
+  await other.until("document.getElementById('b-mode').textContent === 'run, locked'");
+  assert.match(await text(other, "b-state"), /Another tab of this page holds a simulated board/);
+  assert.equal(await other.value("document.getElementById('b-connects').hidden && document.getElementById('b-acts').hidden"), true);
+  await click(other, "b-stop");
+  await logged(page, "stopped: the drive is silent");
+  await other.until("document.getElementById('b-mode').textContent === 'idle'");
+  await click(page, "b-leave");
+  await other.until("!document.getElementById('b-connects').hidden");
+  // Opened from a disk, tabs do not know of each other, and the port of the first is busy in the second.
+  assert.deepEqual([...page.complaints, ...other.complaints], []);
+  await Promise.all([page.close(), other.close()]);
+  server.close();
+});
+
+test("a browser without the means for it has the simulator and a sentence", () => opened({
+  prepare: (page) => page.send("Page.addScriptToEvaluateOnNewDocument", { source: "delete WebAssembly.Suspending; Object.defineProperty(navigator, 'serial', { value: undefined });" }),
+}, async (page) => {
+  assert.match(await text(page, "b-unsupported"), /use Chrome, Edge or another Chromium, version 137 or later/);
+  assert.equal(await page.value("document.getElementById('b-connect').disabled && document.getElementById('b-simulate').disabled"), true);
 }));
 
 test("an unknown transducer is tuned in six clicks", { timeout: 120000 }, () => wired("transducer-skymen-60w", async (page, cable, board) => {

@@ -15,6 +15,8 @@ const FIRST_LOOK = ["status", "fault log", "update"];
 const FIRST_BOARD = "transducer-skymen-60w";
 /** Interval of the drawings, ms, and number of dots in the admittance plane. */
 const DRAW_MS = 100, MAX_DOTS = 3000, MAX_LOG = 400000;
+/** Part of the ordered voltage from which a measured admittance is drawn; below it, noise dominates. */
+const MIN_VOLTAGE_PART = 0.5;
 
 export class Board {
   constructor(core) {
@@ -41,6 +43,7 @@ export class Board {
   #clear() {
     this.recorder = new Recorder();
     this.dots = [];
+    this.circle = null;
     this.armed = false;
     this.paused = false;
     this.mark = null;
@@ -106,7 +109,7 @@ export class Board {
     byId("b-connects").hidden = on;
     byId("b-leave").disabled = !on;
     document.body.classList.toggle("connected", on);
-    byId("b-acts").disabled = byId("b-store").disabled = !this.armed;
+    for (const id of ["b-acts", "b-store", "b-accept"]) byId(id).disabled = !this.armed;
     byId("b-arm").textContent = this.armed ? "Disarm" : "Arm";
     byId("b-arm").setAttribute("aria-pressed", this.armed);
     byId("b-armed").textContent = this.armed ? "armed" : "read-only";
@@ -135,7 +138,7 @@ export class Board {
       case "armed": this.armed = told.armed; this.#shape(); break;
       case "report": this.#report(told.report); break;
       case "answer": this.#answer(told); break;
-      case "file": this.files.set(told.name, told.text); this.#showFiles(); break;
+      case "file": this.#keep(told.name, told.text); break;
       case "parameters": this.settings.show(told.parameters); break;
       case "note": this.#log(`  ${told.text}`); byId("b-state").textContent = told.text; break;
       case "stage": byId("b-state").textContent = `${told.text} …`; break;
@@ -176,6 +179,7 @@ export class Board {
   async run(text, kept = true) {
     if (!this.connection) return "not connected";
     this.#complain(null);
+    if (/^(scan|commission)/.test(text)) { this.dots = []; this.circle = null; }
     if (kept) this.commands.push(text);
     const mirrored = this.twin?.mirrors(text);
     const error = await this.connection.run(text);
@@ -199,7 +203,6 @@ export class Board {
     const hertz = (id) => String(Math.round(1e6 * Number(byId(id).value.replace(",", "."))) / 1e3);
     byId("b-proposal").hidden = true;
     this.files.clear();
-    this.dots = [];
     const error = await this.run(`commission --band ${hertz("b-low")}:${hertz("b-high")} --max-volts ${byId("b-volts").value.trim()} -o commission`);
     if (!error) byId("b-state").textContent = "Settings are proposed; the board has its former ones.";
   }
@@ -207,6 +210,18 @@ export class Board {
   #propose(text) {
     byId("b-proposed").textContent = text.split("\n").filter((line) => !line.startsWith("written:")).join("\n");
     byId("b-proposal").hidden = false;
+    byId("b-proposal").focus();
+  }
+
+  /** Keeps a file of a command: the loop of a scan is drawn, the others are offered. */
+  #keep(name, text) {
+    if (name === "scan/admittance.csv") {
+      const rows = text.trim().split("\n").map((row) => row.split(","));
+      this.circle = rows.filter(([series]) => series === "admittance_identified").map((row) => row.slice(2).map(Number));
+    }
+    if (!name.startsWith("commission/")) return;
+    this.files.set(name, text);
+    this.#showFiles();
   }
 
   async #accept() {
@@ -250,7 +265,8 @@ export class Board {
   #report(report) {
     this.recorder.take(report);
     this.tabs.hold(report, this.name);
-    if (report.admittance_s && report.mode !== "run" && report.mode !== "idle") this.dots.push(report.admittance_s.map((siemens) => 1e3 * siemens));
+    const strong = report.drive_v > 0 && report.voltage_v > MIN_VOLTAGE_PART * report.drive_v;
+    if (strong && report.admittance_s && report.mode !== "run" && report.mode !== "idle") this.dots.push(report.admittance_s.map((siemens) => 1e3 * siemens));
     if (this.dots.length > MAX_DOTS) this.dots.splice(0, this.dots.length - MAX_DOTS);
     if ((report.fault ?? null) !== this.fault) {
       this.fault = report.fault ?? null;
@@ -298,7 +314,7 @@ export class Board {
     if (!report || !this.fresh || byId("board").hidden) return;
     this.fresh = false;
     byId("b-mode").textContent = `${report.mode}${report.locked ? ", locked" : ""}`;
-    const tiles = [["mode", byId("b-mode").textContent], ["frequency", quantity(report.frequency_hz, "Hz")], ["voltage, peak", quantity(report.voltage_v, "V")], ["current, peak", quantity(report.current_a, "A")], ["power", quantity(report.power_w, "W")], ["limit", report.limit_text ?? "none"]];
+    const tiles = [["mode", byId("b-mode").textContent], ["frequency", `${digits(report.frequency_hz, 7)} Hz`], ["voltage, peak", quantity(report.voltage_v, "V")], ["current, peak", quantity(report.current_a, "A")], ["power", quantity(report.power_w, "W")], ["limit", report.limit_text ?? "none"]];
     byId("b-tiles").replaceChildren(...tiles.map(([label, value]) => make("div", {}, make("dt", {}, label), make("dd", {}, value))));
     this.#drawLoop();
     if (this.paused) return;
@@ -309,10 +325,10 @@ export class Board {
 
   #drawLoop() {
     byId("b-loop-panel").hidden = this.dots.length < 3;
-    if (this.dots.length < 3 || this.dots.length === this.drawn) return;
-    this.drawn = this.dots.length;
+    if (this.dots.length < 3) return;
     const series = [{ name: "measured", style: "points", x: this.dots.map(([g]) => g), columns: [this.dots.map(([, b]) => b)] }];
-    drawPath(byId("b-loop"), { x: { label: "conductance [mS]" }, y: { label: "susceptance [mS]" }, plots: [{ series, markers: [] }] });
+    if (this.circle) series.unshift({ name: "identified", style: "line", x: this.circle.map(([g]) => g), columns: [this.circle.map(([, b]) => b)] });
+    drawPath(byId("b-loop"), { equal: true, x: { label: "conductance [mS]" }, y: { label: "susceptance [mS]" }, plots: [{ series, markers: [] }] });
   }
 
   #cursor() {

@@ -10,6 +10,8 @@ const COLUMNS = ["time_s", "block", "mode", "locked", ...LANES.map(([field]) => 
 const SPAN_S = 60, MAX_POINTS = 2400;
 /** Shortest time between two points of the scope, s; a recording has all reports. */
 const MIN_STEP_S = 0.01;
+/** Time without a report that interrupts the curves, s. */
+const GAP_S = 0.3;
 /** Modes in which the board drives. */
 const SILENT = new Set(["idle", "fault"]);
 
@@ -25,6 +27,8 @@ export class Recorder {
     if (last && report.time_s < last.time_s) this.reports = [];
     this.recorded?.push(report);
     if (last && report.mode === last.mode && report.fault === last.fault && report.time_s - last.time_s < MIN_STEP_S) return;
+    // Between two commands a board may report nothing: there the curves have a gap.
+    if (last && report.time_s - last.time_s > GAP_S) this.reports.push({ time_s: last.time_s + 1e-6, mode: "idle" });
     this.reports.push(report);
     while (this.reports.length > MAX_POINTS || report.time_s - this.reports[0].time_s > SPAN_S) this.reports.shift();
   }
