@@ -137,7 +137,7 @@ test("a second tab of a served page watches the board, and can stop it", async (
   const server = createServer(async (_, response) => response.end(await readFile(join(folder, "sonoglide.html")))).listen(0, "127.0.0.1");
   await once(server, "listening");
   const open = async () => {
-    const page = await browser.page(`http://127.0.0.1:${server.address().port}/#board`);
+    const page = await browser.page(`http://127.0.0.1:${server.address().port}/#board`, { newWindow: true });
     await page.until("document.body.dataset.state === 'done'");
     return page;
   };
@@ -219,7 +219,7 @@ test("without a living, visible page the board is silent within its host timeout
   const ends = [
     ["pulled", (page) => page.value("pullCable()")],
     ["closed", (page) => page.close()],
-    ["hidden", (page) => page.value("(() => { Object.defineProperty(document, 'hidden', { value: true, configurable: true }); document.dispatchEvent(new Event('visibilitychange')); })()")],
+    ["hidden", () => browser.page("about:blank")],
     ["frozen", (page) => page.send("Page.setWebLifecycleState", { state: "frozen" })],
     ["busy", (page) => page.send("Runtime.evaluate", { expression: "for (const end = Date.now() + 4000; Date.now() < end;);" }).catch(() => {}) && null],
   ];
@@ -239,6 +239,10 @@ test("without a living, visible page the board is silent within its host timeout
       cable.cut();
       const { mode } = await board.ask("status");
       assert.ok(["idle", "fault"].includes(mode), `${how}: ${mode}`);
+      if (how === "hidden") {
+        assert.equal(await page.value("document.hidden"), true);
+        await logged(page, "the page was hidden: the drive was stopped, and the connection is disarmed");
+      }
       if (how === "pulled") assert.match(await text(page, "b-error"), /lost the serial port: .*cable/);
     } finally {
       if (how !== "closed") await page.close().catch(() => {});

@@ -40,9 +40,9 @@ export class Browser {
     return new Promise((resolve, reject) => this.#waiting.set(id, { resolve, reject }));
   }
 
-  /** Opens a page of a given size at an address. */
-  async page(address, { width = 1280, height = 900, dark = false, still = true, prepare = null } = {}) {
-    const { targetId } = await this.send("Target.createTarget", { url: "about:blank" });
+  /** Opens a page of a given size at an address; in the same window, it hides the former one. */
+  async page(address, { width = 1280, height = 900, dark = false, still = true, prepare = null, newWindow = false } = {}) {
+    const { targetId } = await this.send("Target.createTarget", { url: "about:blank", newWindow });
     const { sessionId } = await this.send("Target.attachToTarget", { targetId, flatten: true });
     const page = new Page(this, sessionId, targetId);
     this.#listeners.push((method, params, session) => session === sessionId && page.heard(method, params));

@@ -208,7 +208,7 @@ export class Board {
   }
 
   #propose(text) {
-    byId("b-proposed").textContent = text.split("\n").filter((line) => !line.startsWith("written:")).join("\n");
+    byId("b-proposed").textContent = text.split("\n").filter((line) => !/^(written|not stored):/.test(line)).join("\n");
     byId("b-proposal").hidden = false;
     byId("b-proposal").focus();
   }
