@@ -90,8 +90,8 @@ impl Order {
         }
     }
 
-    /// Returns `true` if the command changes nothing at the board, or stops its drive. A command that
-    /// is not listed counts as one that acts.
+    /// Returns `true` if the command changes nothing at the board, or stops its drive. A command
+    /// that is not listed counts as one that acts.
     pub fn only_reads(&self) -> bool {
         match self {
             Order::Identify | Order::Status | Order::Monitor(_) | Order::Stop => true,

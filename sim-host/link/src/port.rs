@@ -57,7 +57,8 @@ pub trait Port {
     /// dialogue is reproducible.
     fn nonce(&mut self) -> u32;
 
-    /// Returns `true` if a lost port may be opened again. A board in this process cannot be restarted.
+    /// Returns `true` if a lost port may be opened again. A board in this process cannot be
+    /// restarted.
     fn can_reopen(&self) -> bool {
         !self.stands_still()
     }

@@ -124,8 +124,8 @@ impl Session {
         Ok(())
     }
 
-    /// Lowers the host timeout of the drives of this session to at most `bound_s`, also if the board's
-    /// setting is longer or has none.
+    /// Lowers the host timeout of the drives of this session to at most `bound_s`, also if the
+    /// board's setting is longer or has none.
     pub fn bound_host_timeout(&mut self, bound_s: f32) {
         if self.host_timeout_s == 0.0 || self.host_timeout_s > bound_s {
             self.options.host_timeout_s = Some(bound_s);

@@ -233,7 +233,8 @@ mod tests {
 
     #[test]
     fn a_connection_only_reads_until_it_is_armed() {
-        let events = talked(&[lines(1, "status"), lines(2, "status\nlock"), json!({ "ask": "arm", "armed": true }), lines(3, "lock")]);
+        let events =
+            talked(&[lines(1, "status"), lines(2, "status\nlock"), json!({ "ask": "arm", "armed": true }), lines(3, "lock")]);
         let done: Vec<&Value> = of(&events, "done").into_iter().map(|event| &event["error"]).collect();
         assert_eq!(done, [&Value::Null, &json!("`lock` acts on the board: arm this connection first"), &Value::Null]);
         let answers: Vec<&Value> = of(&events, "answer").into_iter().map(|event| &event["line"]).collect();
@@ -253,7 +254,10 @@ mod tests {
         let events = talked(&[arm.clone(), lines(1, "commission --band 30k:45k --max-volts 3 -o here")]);
         let files = of(&events, "file");
         let names: Vec<&Value> = files.iter().map(|event| &event["name"]).collect();
-        assert!(names.iter().any(|name| *name == "here/settings.txt") && names.iter().any(|name| *name == "here/twin.toml"), "{names:?}");
+        assert!(
+            names.iter().any(|name| *name == "here/settings.txt") && names.iter().any(|name| *name == "here/twin.toml"),
+            "{names:?}"
+        );
         let script = files.iter().find(|event| event["name"] == "here/settings.txt").unwrap()["text"].as_str().unwrap();
         let events = talked(&[arm, lines(2, script), lines(3, "lock")]);
         assert!(of(&events, "done").iter().all(|event| event["error"].is_null()), "{events:?}");
@@ -266,7 +270,10 @@ mod tests {
         let listed = of(&events, "parameters")[0]["parameters"].as_array().unwrap().clone();
         assert_eq!(listed.len(), firmware::board::parameters::PARAMETERS.len());
         let limit = listed.iter().find(|one| one["name"] == "limits.current_a").unwrap();
-        assert!(limit["meaning"].as_str().unwrap().contains("current") && limit["range"].as_str().unwrap().contains("0.001"), "{limit}");
+        assert!(
+            limit["meaning"].as_str().unwrap().contains("current") && limit["range"].as_str().unwrap().contains("0.001"),
+            "{limit}"
+        );
         // A scene has the others in another form.
         assert!(2 * listed.iter().filter(|one| one["meaning"].is_string()).count() > listed.len());
     }

@@ -20,7 +20,8 @@ extern "C" {
     #[wasm_bindgen(js_name = sonoglideProgress)]
     fn progress(reached: f64);
 
-    /// Returns the port to connect to: a scene, or nothing for the serial port that the page has opened.
+    /// Returns the port to connect to: a scene, or nothing for the serial port that the page has
+    /// opened.
     #[wasm_bindgen(js_name = sonoglidePort)]
     fn port() -> Option<String>;
 
@@ -67,12 +68,14 @@ pub fn file(name: &str) -> String {
     SESSION.with_borrow_mut(|session| wrapped(session.file(name).map(Value::from)))
 }
 
-/// Talks to a board until the page leaves or the board is lost. It has no argument and no result, so
-/// that a browser can suspend it.
+/// Talks to a board until the page leaves or the board is lost. It has no argument and no result,
+/// so that a browser can suspend it.
 #[wasm_bindgen]
 pub fn connect() {
     let port = match port() {
-        Some(request) => serde_json::from_str(&request).map_err(|error| error.to_string()).and_then(|request| simulated(&request)),
+        Some(request) => {
+            serde_json::from_str(&request).map_err(|error| error.to_string()).and_then(|request| simulated(&request))
+        }
         None => Ok(Box::new(PagePort::new("the serial port")) as _),
     };
     match port {

@@ -133,6 +133,27 @@ test("a recording has the signals of the drive, and the commands are a script", 
   assert.equal(await saved("b-save-script"), "scan -o scan\ndrive --volts 1 --for 0.2\n");
 }));
 
+test("bursts are set on a timeline, and a file that is not an update is refused", () => opened({}, async (page) => {
+  await page.value("document.getElementById('b-scene').value = 'lock'");
+  await click(page, "b-simulate");
+  await armed(page);
+  await send(page, "drive --volts 1");
+  await page.until("document.getElementById('b-mode').textContent === 'run, locked'");
+  const before = await text(page, "b-on-is");
+  await page.value("document.getElementById('b-on').focus()");
+  await page.key("Home");
+  await page.key("ArrowRight");
+  assert.notEqual(await text(page, "b-on-is"), before);
+  assert.match(await page.value("document.getElementById('b-timeline').ariaLabel ?? document.getElementById('b-timeline').getAttribute('aria-label')"), /^3 bursts of 1 ms, pauses of 50 ms$/);
+  await submit(page, "b-burst");
+  await logged(page, "> burst --on 0.001 --off 0.05 --count 3", 20000);
+  assert.equal(await text(page, "b-error"), "");
+  await page.key("Escape");
+  await page.until("document.getElementById('b-mode').textContent === 'idle'");
+  await page.value("(() => { const files = new DataTransfer(); files.items.add(new File(['no update'], 'a.bin')); const i = document.getElementById('b-update'); i.files = files.files; i.dispatchEvent(new Event('change')); })()");
+  await page.until("document.getElementById('b-error').textContent.includes('this is not an update: it is too short')");
+}));
+
 test("a second tab of a served page watches the board, and can stop it", async () => {
   const server = createServer(async (_, response) => response.end(await readFile(join(folder, "sonoglide.html")))).listen(0, "127.0.0.1");
   await once(server, "listening");

@@ -1,5 +1,5 @@
-//! Files in memory: a program without a disk gives those that commands read, and takes those that they
-//! write.
+//! Files in memory: a program without a disk gives those that commands read, and takes those that
+//! they write.
 
 use std::cell::RefCell;
 use std::path::{Path, PathBuf};

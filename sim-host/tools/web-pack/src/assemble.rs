@@ -23,7 +23,7 @@ pub struct Parts<'a> {
 }
 
 /// Modules of the page, each after those that it imports.
-const MODULES: [&str; 19] = [
+const MODULES: [&str; 21] = [
     "format.js",
     "dom.js",
     "lzma.js",
@@ -41,6 +41,8 @@ const MODULES: [&str; 19] = [
     "board/recorder.js",
     "board/settings.js",
     "board/tabs.js",
+    "board/live-view.js",
+    "board/bursts.js",
     "board/board.js",
     "main.js",
 ];

@@ -1,10 +1,9 @@
 // The screen of a connected board: read-only until it is armed. Its commands are lines of the script
 // grammar, and its answers those of the command line.
 import { byId, download, make } from "../dom.js";
-import { digits, quantity } from "../format.js";
-import { drawPath } from "../path.js";
-import { Scope } from "../scope.js";
+import { bursts } from "./bursts.js";
 import { Connection, openSerial, unsupported } from "./connection.js";
+import { LiveView } from "./live-view.js";
 import { Recorder } from "./recorder.js";
 import { Settings } from "./settings.js";
 import { Tabs } from "./tabs.js";
@@ -13,17 +12,17 @@ import { Tabs } from "./tabs.js";
 const FIRST_LOOK = ["status", "fault log", "update"];
 /** Scene of the simulated board at the start. */
 const FIRST_BOARD = "transducer-skymen-60w";
-/** Interval of the drawings, ms, and number of dots in the admittance plane. */
-const DRAW_MS = 100, MAX_DOTS = 3000, MAX_LOG = 400000;
-/** Part of the ordered voltage from which a measured admittance is drawn; below it, noise dominates. */
-const MIN_VOLTAGE_PART = 0.5;
+/** Length of the log, characters. */
+const MAX_LOG = 400000;
+/** Number of lanes of a motor. */
+const MOTOR_LANES = 4;
 
 export class Board {
   constructor(core) {
     this.core = core;
     this.connection = null;
     this.twin = null;
-    this.scope = new Scope(byId("b-scope"));
+    this.live = new LiveView();
     this.settings = new Settings((name, value) => this.run(`settings set ${name} ${value}`).then(() => this.#listSettings()));
     this.tabs = new Tabs({ onreport: (report, name) => this.#foreign(report, name), onstop: () => this.#stop() });
     this.#clear();
@@ -41,12 +40,8 @@ export class Board {
   }
 
   #clear() {
-    this.recorder = new Recorder();
-    this.dots = [];
-    this.circle = null;
+    this.live.clear();
     this.armed = false;
-    this.paused = false;
-    this.mark = null;
     this.commands = [];
     this.files = new Map();
     this.fault = null;
@@ -82,13 +77,9 @@ export class Board {
     byId("b-update").addEventListener("change", () => this.#update());
     byId("b-store").addEventListener("click", () => this.run("settings store\nreset").then(() => this.#listSettings()));
     byId("b-settings-panel").addEventListener("toggle", () => { if (byId("b-settings-panel").open) this.#listSettings(); });
-    byId("b-pause").addEventListener("click", () => this.#pause(!this.paused));
-    byId("b-time").addEventListener("input", () => { this.#pause(true); this.#cursor(); });
-    byId("b-mark").addEventListener("click", () => { this.mark = this.recorder.at([this.scope.moment])[0]; this.#cursor(); });
-    byId("b-record").addEventListener("click", () => this.#record());
     byId("b-save-log").addEventListener("click", () => download("board-log.txt", byId("b-log").textContent));
     byId("b-save-script").addEventListener("click", () => download("commands.txt", `${this.commands.join("\n")}\n`));
-    setInterval(() => this.#draw(), DRAW_MS);
+    bursts((line) => this.run(line));
   }
 
   async #open(port, name) {
@@ -133,6 +124,7 @@ export class Board {
         byId("b-state").textContent = `Connected to ${this.name}, read-only.`;
         byId("b-identity").textContent = told.text;
         byId("b-warnings").replaceChildren();
+        byId("b-motor").hidden = told.fields.lanes < MOTOR_LANES;
         for (const line of FIRST_LOOK) this.run(line, false);
         break;
       case "armed": this.armed = told.armed; this.#shape(); break;
@@ -151,12 +143,12 @@ export class Board {
 
   #ended(error) {
     this.twin?.connection.leave();
-    this.twin = null;
+    this.twin = this.live.twin = null;
     this.connection = null;
     this.armed = false;
     this.tabs.release();
     this.#shape();
-    byId("b-live").hidden = this.recorder.reports.length === 0;
+    byId("b-live").hidden = this.live.isEmpty;
     byId("b-proposal").hidden = true;
     byId("b-state").textContent = error ? "The connection has ended." : "Disconnected: the drive is silent.";
     this.#complain(error);
@@ -179,7 +171,7 @@ export class Board {
   async run(text, kept = true) {
     if (!this.connection) return "not connected";
     this.#complain(null);
-    if (/^(scan|commission)/.test(text)) { this.dots = []; this.circle = null; }
+    if (/^(scan|commission)/.test(text)) this.live.beginScan();
     if (kept) this.commands.push(text);
     const mirrored = this.twin?.mirrors(text);
     const error = await this.connection.run(text);
@@ -215,10 +207,7 @@ export class Board {
 
   /** Keeps a file of a command: the loop of a scan is drawn, the others are offered. */
   #keep(name, text) {
-    if (name === "scan/admittance.csv") {
-      const rows = text.trim().split("\n").map((row) => row.split(","));
-      this.circle = rows.filter(([series]) => series === "admittance_identified").map((row) => row.slice(2).map(Number));
-    }
+    if (name === "scan/admittance.csv") this.live.showLoop(text);
     if (!name.startsWith("commission/")) return;
     this.files.set(name, text);
     this.#showFiles();
@@ -244,10 +233,11 @@ export class Board {
     const take = ({ event, report, error }) => {
       if (event === "connected") { connection.ask({ ask: "arm", armed: true }); this.#log("the twin runs next to the board"); }
       if (event === "report") recorder.take(report);
-      if (event === "ended") { this.twin = null; if (error) this.#complain(`The twin: ${error}`); }
+      if (event === "ended") { this.twin = this.live.twin = null; if (error) this.#complain(`The twin: ${error}`); }
     };
     const connection = new Connection(await this.core.spawn(), { scene: { name: "twin.toml", text } }, take);
-    this.twin = { connection, recorder, mirrors: (line) => (/^(lock|drive|burst|friction|scan|fault clear|stop)\b/.test(line) ? connection.run(line) : null) };
+    this.live.twin = recorder;
+    this.twin = { connection, mirrors: (line) => (/^(lock|drive|burst|friction|scan|fault clear|stop)\b/.test(line) ? connection.run(line) : null) };
   }
 
   async #update() {
@@ -263,21 +253,17 @@ export class Board {
   }
 
   #report(report) {
-    this.recorder.take(report);
+    this.live.take(report);
     this.tabs.hold(report, this.name);
-    const strong = report.drive_v > 0 && report.voltage_v > MIN_VOLTAGE_PART * report.drive_v;
-    if (strong && report.admittance_s && report.mode !== "run" && report.mode !== "idle") this.dots.push(report.admittance_s.map((siemens) => 1e3 * siemens));
-    if (this.dots.length > MAX_DOTS) this.dots.splice(0, this.dots.length - MAX_DOTS);
     if ((report.fault ?? null) !== this.fault) {
       this.fault = report.fault ?? null;
       byId("b-fault").hidden = this.fault === null;
       byId("b-fault").textContent = report.fault_text ?? "";
       if (this.fault !== null) {
         this.#log(report.fault_text);
-        if (byId("b-on-fault").checked) this.#pause(true);
+        if (byId("b-on-fault").checked) this.live.pause(true);
       }
     }
-    this.fresh = true;
   }
 
   /** Shows the board that another tab holds. */
@@ -288,60 +274,6 @@ export class Board {
     document.body.classList.toggle("connected", name !== null);
     byId("b-state").textContent = name === null ? "Not connected." : `Another tab of this page holds ${name}; here it can only be watched, and stopped.`;
     byId("b-armed").textContent = "watched";
-    if (report) this.recorder.take(report);
-    this.fresh = report !== null;
-  }
-
-  #pause(paused) {
-    this.paused = paused;
-    byId("b-pause").textContent = paused ? "Continue" : "Pause";
-    byId("b-pause").setAttribute("aria-pressed", paused);
-    if (!paused) byId("b-time").value = 1000;
-  }
-
-  #record() {
-    const begins = this.recorder.recorded === null;
-    if (!begins) {
-      download("board.csv", this.recorder.csv(), "text/csv");
-      this.recorder.recorded = null;
-    } else this.recorder.recorded = [];
-    byId("b-record").textContent = begins ? "Stop and save CSV" : "Record";
-    byId("b-record").setAttribute("aria-pressed", begins);
-  }
-
-  #draw() {
-    const report = this.recorder.reports.at(-1);
-    if (!report || !this.fresh || byId("board").hidden) return;
-    this.fresh = false;
-    byId("b-mode").textContent = `${report.mode}${report.locked ? ", locked" : ""}`;
-    const tiles = [["mode", byId("b-mode").textContent], ["frequency", `${digits(report.frequency_hz, 7)} Hz`], ["voltage, peak", quantity(report.voltage_v, "V")], ["current, peak", quantity(report.current_a, "A")], ["power", quantity(report.power_w, "W")], ["limit", report.limit_text ?? "none"]];
-    byId("b-tiles").replaceChildren(...tiles.map(([label, value]) => make("div", {}, make("dt", {}, label), make("dd", {}, value))));
-    this.#drawLoop();
-    if (this.paused) return;
-    this.scope.show(this.recorder.scope(this.twin?.recorder));
-    byId("b-legend").replaceChildren(...[["estimate", "board"], ...(this.twin ? [["truth", "twin"]] : [])].map(([role, words]) => make("span", {}, make("i", { class: role }), words)));
-    this.#cursor();
-  }
-
-  #drawLoop() {
-    byId("b-loop-panel").hidden = this.dots.length < 3;
-    if (this.dots.length < 3) return;
-    const series = [{ name: "measured", style: "points", x: this.dots.map(([g]) => g), columns: [this.dots.map(([, b]) => b)] }];
-    if (this.circle) series.unshift({ name: "identified", style: "line", x: this.circle.map(([g]) => g), columns: [this.circle.map(([, b]) => b)] });
-    drawPath(byId("b-loop"), { equal: true, x: { label: "conductance [mS]" }, y: { label: "susceptance [mS]" }, plots: [{ series, markers: [] }] });
-  }
-
-  #cursor() {
-    const { data, ends } = this.scope;
-    if (!data || !data.time_s.length) return;
-    const at = ends[0] + (Number(byId("b-time").value) / 1000) * (ends[1] - ends[0]);
-    this.scope.goto(at);
-    byId("b-clock").textContent = `${digits(at, 5)} s`;
-    const place = this.scope.index(at);
-    byId("b-values").replaceChildren(...data.lanes.map(({ id, label, unit, signals }) => {
-      const [board, twin] = signals.map(({ values }) => values[place]);
-      const apart = twin === undefined || twin === null ? null : board - twin, since = this.mark ? board - (this.mark[id] ?? NaN) : null;
-      return make("tr", {}, make("th", { scope: "row" }, label), ...[board, twin, apart, since].map((value) => make("td", { class: "number" }, quantity(value, unit))));
-    }));
+    if (report) this.live.take(report);
   }
 }

@@ -45,7 +45,8 @@ pub fn is_waiting() -> bool {
 /// Takes the next request. A request of another form comes from another version of the page, and is
 /// an error of this program.
 pub fn take() -> Option<Request> {
-    next().map(|text| serde_json::from_str(&text).unwrap_or_else(|error| panic!("invalid request from the page: {error}: {text}")))
+    next()
+        .map(|text| serde_json::from_str(&text).unwrap_or_else(|error| panic!("invalid request from the page: {error}: {text}")))
 }
 
 #[cfg(target_arch = "wasm32")]
