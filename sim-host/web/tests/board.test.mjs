@@ -104,7 +104,7 @@ test("a board is only read until it is armed, and STOP and Esc stop it", () => o
   await send(page, "settings set link.patience_s 0");
   await page.until("document.getElementById('b-error').textContent.includes('is not changed by a page')");
   await click(page, "b-leave");
-  await page.until("document.getElementById('b-state').textContent === 'Disconnected: the drive is silent.'");
+  await page.until("document.getElementById('b-state').textContent === 'Disconnected.'");
   // The next connection is armed anew.
   await click(page, "b-simulate");
   await page.until(state("connected"));
@@ -212,6 +212,20 @@ test("an unknown transducer is tuned in six clicks", { timeout: 120000 }, () => 
   await page.until("document.getElementById('b-state').textContent.startsWith('Disconnected')");
   const lock = await board.ask("lock");
   assert.ok(Math.abs(lock.frequency_hz - 40038.8) < 30, JSON.stringify(lock));
+}));
+
+test("a page that only reads leaves the drive of another host running", () => wired("lock", async (page, cable, board) => {
+  await board.ask("drive", "--volts", "1", "--stay");
+  await click(page, "b-connect");
+  await page.until("document.getElementById('b-mode').textContent === 'run, locked'");
+  await click(page, "b-leave");
+  await page.until("document.getElementById('b-state').textContent === 'Disconnected.'");
+  assert.equal((await board.ask("status")).mode, "run");
+  await click(page, "b-connect");
+  await page.until(state("connected"));
+  await logged(page, "> update");
+  await page.key("Escape");
+  await page.until("document.getElementById('b-mode').textContent === 'idle'");
 }));
 
 test("STOP reaches the port at once, also during a capture", () => wired("lock", async (page, cable) => {

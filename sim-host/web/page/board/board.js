@@ -150,7 +150,7 @@ export class Board {
     this.#shape();
     byId("b-live").hidden = this.live.isEmpty;
     byId("b-proposal").hidden = true;
-    byId("b-state").textContent = error ? "The connection has ended." : "Disconnected: the drive is silent.";
+    byId("b-state").textContent = error ? "The connection has ended." : "Disconnected.";
     this.#complain(error);
     if (error) this.#log(`error: ${error}`);
   }
@@ -177,6 +177,7 @@ export class Board {
     const error = await this.connection.run(text);
     await mirrored;
     if (error && error !== "stopped") this.#complain(error);
+    if (byId("b-state").textContent.endsWith("…")) byId("b-state").textContent = `Connected to ${this.name}.`;
     return error;
   }
 
@@ -200,7 +201,10 @@ export class Board {
   }
 
   #propose(text) {
-    byId("b-proposed").textContent = text.split("\n").filter((line) => !/^(written|not stored):/.test(line)).join("\n");
+    // The settings come first; the page stores them by its own button.
+    const lines = text.split("\n").filter((line) => !/^(written|not stored):/.test(line));
+    const at = lines.findIndex((line) => line.startsWith("proposed settings"));
+    byId("b-proposed").textContent = [...lines.slice(at), ...lines.slice(0, at)].join("\n");
     byId("b-proposal").hidden = false;
     byId("b-proposal").focus();
   }

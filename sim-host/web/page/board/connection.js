@@ -31,6 +31,8 @@ export class Connection {
   #count = 0;
   #stopFrame = null;
   #ended = false;
+  /** True once this connection was armed. Otherwise a running drive belongs to another host, and only STOP ends it. */
+  #mayDrive = false;
 
   /** Connects to an open serial port, or to a simulated board of a scene. */
   constructor(worker, { port = null, scene = null }, onevent) {
@@ -79,6 +81,7 @@ export class Connection {
     if (event === undefined) return;
     const told = JSON.parse(event);
     if (told.event === "stop_frame") this.#stopFrame = Uint8Array.from(told.bytes);
+    if (told.event === "armed") this.#mayDrive ||= told.armed;
     if (told.event === "done") {
       this.#waiting.get(told.id)?.(told.error);
       this.#waiting.delete(told.id);
@@ -96,12 +99,12 @@ export class Connection {
   }
 
   #look(hidden) {
-    if (hidden) {
+    if (hidden && this.#mayDrive) {
       this.stop();
       this.ask({ ask: "arm", armed: false });
+      this.onevent({ event: "hidden" });
     }
     this.#worker.postMessage({ hidden });
-    if (hidden) this.onevent({ event: "hidden" });
   }
 
   /** Sends a request without an answer. */
@@ -119,9 +122,9 @@ export class Connection {
   /** Runs lines of a script; returns the error, or null. */
   run(text) { return this.request({ ask: "lines", text }); }
 
-  /** Stops the drive and ends the session. */
+  /** Ends the session, and the drive that it has started. */
   leave() {
-    this.stop();
+    if (this.#mayDrive) this.stop();
     this.ask({ ask: "leave" });
   }
 
@@ -135,7 +138,7 @@ export class Connection {
     this.#waiting.clear();
     // The port is closed even if the client has failed; a lost one cannot be.
     if (this.#port) {
-      if (this.#stopFrame) this.#write(this.#stopFrame);
+      if (this.#stopFrame && this.#mayDrive) this.#write(this.#stopFrame);
       await this.reader.cancel().catch(() => {});
       this.reader.releaseLock();
       await this.#writer.close().catch(() => {});
