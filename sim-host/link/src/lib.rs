@@ -1,9 +1,9 @@
 //! Host side of the link to a driver board, real or simulated.
 //!
 //! ```text
-//! command line, script --> commands --> session --> client --> port --> serial device | TCP | simulated board
-//!                             |                        |
-//!                          answer               frames of firmware::board::link: sequence numbers, checksums, repeats
+//! command line, script, page --> commands --> session --> client --> port --> serial device | TCP | simulated board
+//!                                   |                        |
+//!                                answer               frames of firmware::board::link: sequence numbers, checksums, repeats
 //! ```
 //!
 //! A [`port`] carries bytes and provides the clock. The clock of a [simulated
@@ -12,6 +12,9 @@
 //! receives answers. A [`session`] waits, prevents the host timeout of the board from expiring, and
 //! leaves the drive in the state that the user has chosen. Each [command](commands) is one file. It
 //! returns an [`answer`](answer::Answer), as text or as a line of JSON.
+//!
+//! Without the feature `host` (serial devices, TCP, folders of results) the same client compiles
+//! for a browser, whose port is elsewhere.
 //!
 //! # Example
 //!

@@ -316,6 +316,8 @@ test("damaged frames are repeated, and a restarted board is a message", () => wi
   await send(page, "lock");
   await logged(page, "locked", 20000);
   cable.onsend = null;
+  // A damaged byte ends the stream of the port, which has another one.
+  await page.value("damageByte()");
   await click(page, "b-stop");
   await page.until("document.getElementById('b-mode').textContent === 'idle'");
   // A restart by another client ends this session.

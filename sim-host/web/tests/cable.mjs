@@ -31,17 +31,19 @@ export class ServedBoard {
 const STAND_IN = `(() => {
   const lost = () => new DOMException("The device has been lost.", "NetworkError");
   let controller = null;
+  const stream = () => new ReadableStream({ start(one) { controller = one; }, cancel() { controller = null; } });
   const port = {
     async open() {
       if (globalThis.portIsBusy) throw new DOMException("Failed to open serial port.", "NetworkError");
-      port.readable = new ReadableStream({ start(one) { controller = one; }, cancel() { controller = null; } });
+      port.readable = stream();
       port.writable = new WritableStream({ write(chunk) { if (!controller) throw lost(); toBoard(btoa(String.fromCharCode(...chunk))); } });
       toBoard("open");
     },
     async close() { toBoard("close"); },
   };
   globalThis.fromBoard = (text) => controller?.enqueue(Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0)));
-  globalThis.pullCable = () => { const pulled = controller; controller = null; pulled?.error(lost()); toBoard("close"); };
+  globalThis.damageByte = () => { const former = controller; port.readable = stream(); former.error(new DOMException("Framing error.", "FramingError")); };
+  globalThis.pullCable = () => { const pulled = controller; controller = null; port.readable = null; pulled?.error(lost()); toBoard("close"); };
   Object.defineProperty(navigator, "serial", { value: { requestPort: async () => port } });
 })()`;
 

@@ -83,13 +83,15 @@ export class Board {
   }
 
   async #open(port, name) {
-    if (this.connection) return;
+    if (this.connection || this.opening) return;
+    this.opening = true;
     this.#clear();
     this.#complain(null);
     this.name = name;
     byId("b-log").textContent = "";
     byId("b-state").textContent = `Connecting to ${name} …`;
     this.connection = new Connection(await this.core.spawn(), port, (event) => this.#take(event));
+    this.opening = false;
     this.#shape();
   }
 

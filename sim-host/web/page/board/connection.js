@@ -56,14 +56,18 @@ export class Connection {
   }
 
   async #read() {
-    this.reader = this.#port.readable.getReader();
-    try {
-      for (;;) {
-        const { value, done } = await this.reader.read();
-        if (done) break;
-        this.#worker.postMessage({ bytes: value }, [value.buffer]);
-      }
-    } catch { /* The cable was pulled: told below. */ }
+    // After a damaged byte the port has another stream; after a pulled cable it has none.
+    while (this.#port.readable && !this.#ended) {
+      this.reader = this.#port.readable.getReader();
+      try {
+        for (;;) {
+          const { value, done } = await this.reader.read();
+          if (done) break;
+          this.#worker.postMessage({ bytes: value }, [value.buffer]);
+        }
+      } catch { /* The frame is repeated, or the port is lost. */ }
+      this.reader.releaseLock();
+    }
     this.#worker.postMessage({ closed: true });
   }
 
@@ -140,7 +144,6 @@ export class Connection {
     if (this.#port) {
       if (this.#stopFrame && this.#mayDrive) this.#write(this.#stopFrame);
       await this.reader.cancel().catch(() => {});
-      this.reader.releaseLock();
       await this.#writer.close().catch(() => {});
       this.#writer.releaseLock();
       await this.#port.close().catch(() => {});
