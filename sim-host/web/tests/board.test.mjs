@@ -287,6 +287,23 @@ test("without a living, visible page the board is silent within its host timeout
   }
 });
 
+/** Returns a frame of a later version of the protocol, whose body is unknown here. */
+function laterFrame() {
+  const plain = [4, 1, 5, 0, 0, 0, 0xff];
+  let crc = 0xffffffff;
+  for (const byte of plain) {
+    crc ^= byte;
+    for (let n = 0; n < 8; n += 1) crc = (crc >>> 1) ^ (crc & 1 ? 0x82f63b78 : 0);
+  }
+  const checked = Buffer.alloc(11);
+  checked.set(plain);
+  checked.writeUInt32LE(~crc >>> 0, 7);
+  // COBS: each zero becomes the distance to the next.
+  const stuffed = [];
+  for (const part of checked.toString("latin1").split("\0")) stuffed.push(part.length + 1, ...Buffer.from(part, "latin1"));
+  return Buffer.from([...stuffed, 0]);
+}
+
 test("foreign devices, other versions and busy ports have a message and no dead end", async () => {
   const garbage = (bytes) => ({ prepare: async (page) => { (await Cable.lay(page, null)).onsend = (_, cable) => cable.give(bytes); } });
   await opened(garbage(Buffer.from("hello\r\n")), async (page) => {
@@ -298,6 +315,10 @@ test("foreign devices, other versions and busy ports have a message and no dead 
     await page.until("document.getElementById('b-error').textContent.includes('another program or tab')");
     await click(page, "b-simulate");
     await page.until(state("connected"));
+  });
+  await opened(garbage(laterFrame()), async (page) => {
+    await click(page, "b-connect");
+    await page.until("/speaks version 4 of the link's protocol, this program version \\d/.test(document.getElementById('b-error').textContent)");
   });
   await opened(garbage(Buffer.alloc(0)), async (page) => {
     await click(page, "b-connect");
