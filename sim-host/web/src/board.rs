@@ -133,7 +133,8 @@ fn serve(session: &mut Session) -> Result<(), LinkError> {
 /// Tells the page that a request is complete. Only the loss of the board and an interruption are
 /// errors of the session.
 fn finished(id: u32, done: Result<Value, LinkError>) -> Result<(), LinkError> {
-    let error = done.as_ref().err().map(ToString::to_string);
+    // The page shows the line next to its error.
+    let error = done.as_ref().err().map(|error| error.cause().to_string());
     if let Ok(event @ Value::Object(_)) = &done {
         tell(event);
     }

@@ -134,7 +134,11 @@ export class Board {
       case "answer": this.#answer(told); break;
       case "file": this.#keep(told.name, told.text); break;
       case "parameters": this.settings.show(told.parameters); break;
-      case "note": this.#log(`  ${told.text}`); byId("b-state").textContent = told.text; break;
+      case "note":
+        this.#log(`  ${told.text}`);
+        if (told.text.startsWith("warning")) this.#complain(told.text);
+        else byId("b-state").textContent = told.text;
+        break;
       case "stage": byId("b-state").textContent = `${told.text} …`; break;
       case "stopped": this.#log("stopped: the drive is silent"); byId("b-state").textContent = "Stopped: the drive is silent."; break;
       case "hidden": this.#log("the page was hidden: the drive was stopped, and the connection is disarmed"); this.armed = false; this.#shape(); break;
@@ -195,7 +199,10 @@ export class Board {
   }
 
   async #commission() {
-    const hertz = (id) => String(Math.round(1e6 * Number(byId(id).value.replace(",", "."))) / 1e3);
+    const hertz = (id) => {
+      const text = byId(id).value.trim(), kilohertz = Number(text.replace(",", "."));
+      return Number.isFinite(kilohertz) ? String(Math.round(1e6 * kilohertz) / 1e3) : text;
+    };
     byId("b-proposal").hidden = true;
     this.files.clear();
     const error = await this.run(`commission --band ${hertz("b-low")}:${hertz("b-high")} --max-volts ${byId("b-volts").value.trim()} -o commission`);
