@@ -42,8 +42,9 @@ fn only_a_dead_host_is_lost() {
 
 #[test]
 fn a_bound_replaces_a_missing_host_timeout() {
-    let board = board("lock", &["controller.link.patience_s=0"], 4);
+    let board = board("lock", &[], 4);
     let mut session = super::session(&board);
+    run("settings set link.patience_s 0\nsettings store\nreset", &mut session).unwrap();
     session.bound_host_timeout(0.1);
     run("drive\nwait 0.3\nstatus\nexpect mode = run", &mut session).unwrap();
     std::mem::forget(session);
