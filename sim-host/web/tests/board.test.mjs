@@ -101,6 +101,12 @@ test("a board is only read until it is armed, and STOP and Esc stop it", () => o
     await page.until("document.getElementById('b-mode').textContent === 'idle'");
     await page.value("document.getElementById('b-log').textContent = ''");
   }
+  await send(page, "drive --volts 1");
+  await page.until("document.getElementById('b-mode').textContent === 'run, locked'");
+  await click(page, "b-arm");
+  await page.until(`${state("connected")} && document.getElementById('b-mode').textContent === 'idle'`);
+  await click(page, "b-arm");
+  await page.until(state("armed"));
   await send(page, "settings set link.patience_s 0");
   await page.until("document.getElementById('b-error').textContent.includes('is not changed by a page')");
   await click(page, "b-leave");

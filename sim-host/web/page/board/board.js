@@ -62,7 +62,10 @@ export class Board {
     byId("b-stop").addEventListener("click", () => this.stop());
     // In the capture phase, before any other use of the key.
     document.addEventListener("keydown", (event) => { if (event.key === "Escape") this.stop(); }, true);
-    byId("b-arm").addEventListener("click", () => this.connection?.ask({ ask: "arm", armed: !this.armed }));
+    byId("b-arm").addEventListener("click", () => {
+      if (this.armed) this.stop();
+      this.connection?.ask({ ask: "arm", armed: !this.armed });
+    });
     byId("b-commission").addEventListener("submit", (event) => { event.preventDefault(); this.#commission(); });
     byId("b-accept").addEventListener("click", () => this.#accept());
     byId("b-twin").addEventListener("click", () => this.#startTwin());
@@ -90,7 +93,11 @@ export class Board {
     this.name = name;
     byId("b-log").textContent = "";
     byId("b-state").textContent = `Connecting to ${name} …`;
-    this.connection = new Connection(await this.core.spawn(), port, (event) => this.#take(event));
+    try {
+      this.connection = new Connection(await this.core.spawn(), port, (event) => this.#take(event));
+    } catch (error) {
+      this.#complain(error.message);
+    }
     this.opening = false;
     this.#shape();
   }
@@ -103,7 +110,7 @@ export class Board {
     byId("b-leave").disabled = !on;
     document.body.classList.toggle("connected", on);
     for (const id of ["b-acts", "b-store", "b-accept"]) byId(id).disabled = !this.armed;
-    byId("b-arm").textContent = this.armed ? "Disarm" : "Arm";
+    byId("b-arm").textContent = this.armed ? "Stop and disarm" : "Arm";
     byId("b-arm").setAttribute("aria-pressed", this.armed);
     byId("b-armed").textContent = this.armed ? "armed" : "read-only";
     document.body.dataset.board = on ? (this.armed ? "armed" : "connected") : "";
