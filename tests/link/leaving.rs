@@ -41,6 +41,19 @@ fn only_a_dead_host_is_lost() {
 }
 
 #[test]
+fn a_bound_replaces_a_missing_host_timeout() {
+    let board = board("lock", &[], 4);
+    let mut session = super::session(&board);
+    run("settings set link.patience_s 0\nsettings store\nreset", &mut session).unwrap();
+    session.bound_host_timeout(0.1);
+    run("drive\nwait 0.3\nstatus\nexpect mode = run", &mut session).unwrap();
+    std::mem::forget(session);
+    let block_s = board.borrow().block_s();
+    (0..(0.12 / block_s) as u32).for_each(|_| board.borrow_mut().block());
+    assert!(is_silent(&board.borrow()));
+}
+
+#[test]
 fn leaving_stops_the_drive_unless_stay_is_set() {
     for stay in [false, true] {
         let board = board("lock", &[], 4);

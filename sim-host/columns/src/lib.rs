@@ -28,7 +28,7 @@ pub mod unit;
 
 pub use error::TableError;
 #[cfg(feature = "formats")]
-pub use formats::parse;
+pub use formats::{parse, text};
 pub use heading::Heading;
 pub use table::{BadCell, Column, Table, read};
 pub use text::{beginning, decode, hidden, is_overflow, number, visible, visible_line};
@@ -41,4 +41,13 @@ pub use unit::{Unit, hertz};
 #[cfg(not(feature = "formats"))]
 pub fn parse(bytes: &[u8], names: Option<&str>) -> Result<Table, TableError> {
     read(&decode(bytes), names)
+}
+
+/// Decodes the text of a file.
+///
+/// # Errors
+/// None without the feature `formats`.
+#[cfg(not(feature = "formats"))]
+pub fn text(bytes: &[u8]) -> Result<String, TableError> {
+    Ok(decode(bytes))
 }

@@ -4,7 +4,6 @@
 //! Y(f) = j 2 pi f C0 + sum over resonances of  G / (1 + j Q (f / fs - fs / f))
 //! ```
 
-use std::path::Path;
 use std::time::Duration;
 
 use firmware::board::command::{Command, ResonanceReport};
@@ -18,6 +17,7 @@ use realfft::num_complex::Complex64;
 
 use crate::answer::Answer;
 use crate::commands::lock::{LockArgs, acquire};
+use crate::files::ResultFolder;
 use crate::link_error::LinkError;
 use crate::session::Session;
 use crate::terminal_plot::TerminalPlot;
@@ -101,7 +101,7 @@ impl Loop {
     }
 
     /// Writes the loop as SVG, PNG and CSV.
-    pub fn write(&self, dir: &Path, provenance: &Provenance) -> Result<(), LinkError> {
+    pub fn write(&self, folder: &ResultFolder, provenance: &Provenance) -> Result<(), LinkError> {
         let places = self.places();
         let drawn: Vec<(f64, Complex64)> = places.iter().map(|&hz| (hz, self.circuit.admittance(hz))).collect();
         let mut curves = vec![("identified circuit", "admittance_identified", Style::Line, &drawn[..])];
@@ -149,7 +149,7 @@ impl Loop {
             },
         ];
         let footer = provenance.footer();
-        Ok(report::write(&Report { title: "Scan".into(), figures, footer, ..Report::default() }, dir)?)
+        folder.report(&Report { title: "Scan".into(), figures, footer, ..Report::default() })
     }
 }
 

@@ -90,6 +90,18 @@ impl Order {
         }
     }
 
+    /// Returns `true` if the command changes nothing at the board, or stops its drive. A command
+    /// that is not listed counts as one that acts.
+    pub fn only_reads(&self) -> bool {
+        match self {
+            Order::Identify | Order::Status | Order::Monitor(_) | Order::Stop => true,
+            Order::Settings(order) => matches!(order, settings::SettingsOrder::Get { .. } | settings::SettingsOrder::Trims),
+            Order::Fault(args) => !args.clears(),
+            Order::Update(args) => args.file.is_none(),
+            _ => false,
+        }
+    }
+
     /// Runs the command in a session.
     pub fn run(&self, session: &mut Session) -> Result<Answer, LinkError> {
         let answer = match self {

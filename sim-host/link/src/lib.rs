@@ -1,9 +1,9 @@
 //! Host side of the link to a driver board, real or simulated.
 //!
 //! ```text
-//! command line, script --> commands --> session --> client --> port --> serial device | TCP | simulated board
-//!                             |                        |
-//!                          answer               frames of firmware::board::link: sequence numbers, checksums, repeats
+//! command line, script, page --> commands --> session --> client --> port --> serial device | TCP | simulated board
+//!                                   |                        |
+//!                                answer               frames of firmware::board::link: sequence numbers, checksums, repeats
 //! ```
 //!
 //! A [`port`] carries bytes and provides the clock. The clock of a [simulated
@@ -12,6 +12,9 @@
 //! receives answers. A [`session`] waits, prevents the host timeout of the board from expiring, and
 //! leaves the drive in the state that the user has chosen. Each [command](commands) is one file. It
 //! returns an [`answer`](answer::Answer), as text or as a line of JSON.
+//!
+//! Without the feature `host` (serial devices, TCP, folders of results) the same client compiles
+//! for a browser, whose port is elsewhere.
 //!
 //! # Example
 //!
@@ -39,9 +42,11 @@ pub mod admittance;
 pub mod answer;
 pub mod client;
 pub mod commands;
-#[cfg(target_os = "linux")]
+#[cfg(all(target_os = "linux", feature = "host"))]
 pub mod emulated_board;
 pub mod expect;
+pub mod files;
+#[cfg(feature = "host")]
 pub mod flash_file;
 pub mod link_error;
 pub mod parameter;
@@ -51,9 +56,11 @@ pub mod raw_frame;
 pub mod refusal;
 pub mod scale;
 pub mod script;
+#[cfg(feature = "host")]
 pub mod serve;
 pub mod session;
 pub mod simulated_board;
 pub mod terminal_plot;
+#[cfg(feature = "host")]
 pub mod update_file;
 pub mod words;

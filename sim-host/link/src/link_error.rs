@@ -8,6 +8,7 @@ use firmware::seam::refusal::Refusal;
 use crate::refusal;
 use report::ReportError;
 use scene::diagnostic::Report;
+#[cfg(feature = "host")]
 use sim::output::OutputError;
 
 /// Error of a dialogue with a board.
@@ -120,6 +121,7 @@ pub enum LinkError {
         io: io::Error,
     },
     /// The folder of a result cannot be written.
+    #[cfg(feature = "host")]
     #[error(transparent)]
     Folder(#[from] OutputError),
     /// A figure cannot be drawn.

@@ -1,23 +1,37 @@
 //! Ports to a board: a stream of bytes, and the board's clock.
 
+#[cfg(feature = "host")]
 mod listed;
+#[cfg(feature = "host")]
 mod serial;
 mod simulated;
+#[cfg(feature = "host")]
 mod stream;
+#[cfg(feature = "host")]
 mod tcp;
 
 use std::hash::{BuildHasher, Hasher, RandomState};
 use std::io;
-use std::time::{Duration, Instant};
+use std::time::Duration;
+#[cfg(feature = "host")]
+use std::time::Instant;
 
+#[cfg(feature = "host")]
 pub use listed::listed;
-pub use serial::{BAUD, Serial};
+#[cfg(feature = "host")]
+pub use serial::Serial;
 pub use simulated::{InProcess, Simulated};
+#[cfg(feature = "host")]
 pub use stream::Stream;
+#[cfg(feature = "host")]
 pub(crate) use tcp::HELD_MESSAGE;
+#[cfg(feature = "host")]
 pub use tcp::Tcp;
 
 use crate::link_error::LinkError;
+
+/// Baud rate of the board's UART, bit/s.
+pub const BAUD: u32 = 921_600;
 
 /// Stream of bytes to and from a board.
 pub trait Port {
@@ -42,6 +56,12 @@ pub trait Port {
     /// ([`chance`]). At a board in this process it depends only on the board's time, so that a
     /// dialogue is reproducible.
     fn nonce(&mut self) -> u32;
+
+    /// Returns `true` if a lost port may be opened again. A board in this process cannot be
+    /// restarted.
+    fn can_reopen(&self) -> bool {
+        !self.stands_still()
+    }
 
     /// Returns `true` if the board's time stops while the client does something else.
     fn stands_still(&self) -> bool {
@@ -79,18 +99,24 @@ impl<P: Port + ?Sized> Port for Box<P> {
         (**self).nonce()
     }
 
+    fn can_reopen(&self) -> bool {
+        (**self).can_reopen()
+    }
+
     fn stands_still(&self) -> bool {
         (**self).stands_still()
     }
 }
 
 /// Returns `true` if the error only means that no byte has arrived yet.
+#[cfg(feature = "host")]
 fn is_timeout(error: &io::Error) -> bool {
     matches!(error.kind(), io::ErrorKind::TimedOut | io::ErrorKind::WouldBlock | io::ErrorKind::Interrupted)
 }
 
 /// Reads until bytes arrive or `wait` is over. `read` gets the remaining time, and fails with a
 /// timeout if no byte has arrived.
+#[cfg(feature = "host")]
 fn within(wait: Duration, mut read: impl FnMut(Duration) -> io::Result<usize>) -> io::Result<usize> {
     let until = Instant::now() + wait;
     loop {
@@ -106,6 +132,7 @@ fn within(wait: Duration, mut read: impl FnMut(Duration) -> io::Result<usize>) -
 }
 
 /// Returns the error of a stream whose other end is closed.
+#[cfg(feature = "host")]
 fn ended() -> io::Error {
     io::Error::new(io::ErrorKind::UnexpectedEof, "the other end has closed the connection")
 }

@@ -104,6 +104,11 @@ impl Script {
         self.lines.is_empty()
     }
 
+    /// Returns the commands to the board.
+    pub fn orders(&self) -> impl Iterator<Item = &Order> {
+        self.lines.iter().filter_map(|line| if let Step::Order(order) = &line.step { Some(&**order) } else { None })
+    }
+
     /// Runs the script, and calls `report` with each line and its result. Ends with the first line
     /// that fails.
     pub fn run(

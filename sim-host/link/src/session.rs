@@ -12,11 +12,11 @@ use serde_json::Value;
 
 use crate::answer::Answer;
 use crate::client::Client;
+use crate::files::ResultFolder;
 use crate::link_error::LinkError;
 use crate::parameter::{parameter, report};
 use crate::scale::Scale;
 use crate::words;
-use sim::output::{Folder, OutputError, Owner};
 use sim::provenance::Provenance;
 
 /// Shortest time between messages that keep the host timeout from expiring, s.
@@ -94,8 +94,8 @@ impl Session {
     }
 
     /// Opens the folder of a command's result, if one is given.
-    pub fn folder(&self, command: &str, dir: Option<&Path>) -> Result<Option<Folder>, OutputError> {
-        dir.map(|dir| Folder::open(dir, Owner::new(&format!("link {command}"), &self.inputs))).transpose()
+    pub fn folder(&self, command: &str, dir: Option<&Path>) -> Result<Option<ResultFolder>, LinkError> {
+        dir.map(|dir| ResultFolder::open(command, dir, &self.inputs)).transpose()
     }
 
     /// Agrees with the board on the host timeout, and on the interval of the messages. A client
@@ -116,17 +116,30 @@ impl Session {
         }
         let requested_s = if self.options.stay { Some(0.0) } else { self.options.host_timeout_s };
         let host_timeout_s = requested_s.unwrap_or(configured.acts);
-        self.host_timeout_s = host_timeout_s;
+        self.set_host_timeout(host_timeout_s);
         let silent = self.client.status()?.is_none_or(|report| matches!(report.mode, Mode::Idle | Mode::Fault));
         if silent || requested_s.is_some() {
             self.client.order(Command::Patience(host_timeout_s))?;
         }
+        Ok(())
+    }
+
+    /// Lowers the host timeout of the drives of this session to at most `bound_s`, also if the
+    /// board's setting is longer or has none.
+    pub fn bound_host_timeout(&mut self, bound_s: f32) {
+        if self.host_timeout_s == 0.0 || self.host_timeout_s > bound_s {
+            self.options.host_timeout_s = Some(bound_s);
+            self.set_host_timeout(bound_s);
+        }
+    }
+
+    fn set_host_timeout(&mut self, host_timeout_s: f32) {
+        self.host_timeout_s = host_timeout_s;
         if host_timeout_s > 0.0 {
             self.keep_alive = Duration::from_secs_f64(
                 (f64::from(host_timeout_s) / MESSAGES_PER_TIMEOUT).clamp(MIN_KEEP_ALIVE_S, MAX_KEEP_ALIVE_S),
             );
         }
-        Ok(())
     }
 
     /// Sets the host timeout before a command starts the drive, which belongs to this session from
@@ -210,9 +223,10 @@ impl Session {
         self.watch(time, 0, |_| None::<()>).map(drop)
     }
 
-    /// Does some work of this program while the host timeout is served.
+    /// Does some work of this program while the host timeout is served. Where there are no threads,
+    /// the board waits for the work.
     pub fn meanwhile<T: Send>(&mut self, work: impl FnOnce() -> T + Send) -> Result<T, LinkError> {
-        if self.client.stands_still() {
+        if self.client.stands_still() || cfg!(target_family = "wasm") {
             return Ok(work());
         }
         std::thread::scope(|threads| {
@@ -273,12 +287,15 @@ impl Session {
             }
             let wait = until.min(alive).saturating_sub(now);
             let report = self.client.telemetry(wait)?.map(|(_, report)| report);
+            report.iter().for_each(|report| self.live.telemetry(self.client.now(), report));
             if let Some(seen) = report.as_ref().filter(|_| every > 0).and_then(&mut *look) {
                 return Ok(Some(seen));
             }
             if self.client.now() >= alive {
                 alive = self.client.now() + self.keep_alive;
-                if let Some(seen) = self.client.status()?.as_ref().and_then(&mut *look) {
+                let report = self.client.status()?;
+                report.iter().for_each(|report| self.live.telemetry(self.client.now(), report));
+                if let Some(seen) = report.as_ref().and_then(&mut *look) {
                     return Ok(Some(seen));
                 }
             }
@@ -322,8 +339,11 @@ impl Drop for Session {
 pub struct Live {
     /// Called with a line at the beginning of each stage.
     pub stage: Option<fn(&str)>,
-    /// Called with each report, as a line and as fields.
+    /// Called with each report of a monitor, as a line and as fields.
     pub report: Option<fn(&str, &Value)>,
+    /// Called with each report of the board during a command or a wait, and its time since the port
+    /// was opened.
+    pub telemetry: Option<fn(Duration, &Telemetry)>,
 }
 
 impl Live {
@@ -332,7 +352,12 @@ impl Live {
         self.stage.into_iter().for_each(|call| call(line));
     }
 
-    /// Passes on a report.
+    /// Passes on a report of the board.
+    fn telemetry(&self, time: Duration, report: &Telemetry) {
+        self.telemetry.into_iter().for_each(|call| call(time, report));
+    }
+
+    /// Passes on a report of a monitor.
     pub fn report(&self, line: &str, fields: impl FnOnce() -> Value) {
         if let Some(call) = self.report {
             call(line, &fields());

@@ -4,17 +4,12 @@
 //! ELF file of `cargo field` -> bytes from ORIGIN on + SONOGLIDE_IDENTITY -> signed manifest -> file
 //! ```
 
-use std::path::Path;
-
-use columns::file;
 use nucleo_g474re::slots::{MANIFEST, ORIGIN, SLOT};
 use object::elf::{PT_LOAD, ProgramHeader32};
 use object::read::elf::{ElfFile32, ProgramHeader as _};
 use object::{LittleEndian, Object as _, ObjectSymbol as _};
 use update::identity::{Identity, SIZE, SYMBOL};
 use update::manifest::Manifest;
-
-use crate::link_error::LinkError;
 
 /// Reason why an ELF file cannot be packed as an update.
 #[derive(Debug, thiserror::Error)]
@@ -36,11 +31,6 @@ pub enum PackError {
     /// The image does not contain its identity.
     #[error("this image does not contain its identity, the constant `{SYMBOL}`. Build it with `cargo field`")]
     Anonymous,
-}
-
-/// Reads an image, an update or another input of at most `max_bytes`.
-pub fn read(path: &Path, max_bytes: u64) -> Result<Vec<u8>, LinkError> {
-    file::read(path, max_bytes).map_err(|error| LinkError::Input(format!("{} cannot be read: {error}", path.display())))
 }
 
 /// Packs an ELF file as an update. It is not signed if no seed of a key is given.

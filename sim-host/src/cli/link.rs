@@ -342,7 +342,7 @@ fn live(format: Format) -> Live {
         Format::Human if io::stdout().is_terminal() => |line, _| print_report(&format!("\r{}\x1b[K", visible(line))),
         Format::Human => |line, _| print_report(&format!("{}\n", visible(line))),
     };
-    Live { stage, report: Some(report) }
+    Live { stage, report: Some(report), telemetry: None }
 }
 
 /// Prints to standard output. `print!` would panic if it is closed, and leave the drive on.

@@ -1,6 +1,8 @@
 // The simulator, in a separate worker. Stopping a run ends its worker, and the next request starts
 // another.
 
+import { unlzma } from "./lzma.js";
+
 /** An error in a scene, or a run without a result, with the message of the command line. */
 export class SimulatorError extends Error {}
 
@@ -19,17 +21,22 @@ export class Core {
 
   static async #compile(packed) {
     const bytes = Uint8Array.from(atob(packed.trim()), (letter) => letter.charCodeAt(0));
-    const unpacked = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"));
-    return WebAssembly.compile(await new Response(unpacked).arrayBuffer());
+    return WebAssembly.compile(unlzma(bytes));
+  }
+
+  /** Starts a worker with the module. */
+  async spawn() {
+    const worker = new Worker(this.script);
+    worker.postMessage({ module: await this.#module });
+    return worker;
   }
 
   async #start() {
-    const module = await this.#module;
+    await this.#module;
     if (this.#worker) return this.#worker;
-    const worker = new Worker(this.script);
+    const worker = await this.spawn();
     worker.onmessage = ({ data }) => this.#receive(data);
     worker.onerror = (event) => this.#lost(event.message);
-    worker.postMessage({ module });
     this.#worker = worker;
     return worker;
   }

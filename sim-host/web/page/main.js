@@ -2,6 +2,7 @@
 import { Core, SimulatorError } from "./core.js";
 import { showControls } from "./controls.js";
 import { showCrash } from "./crash.js";
+import { Board } from "./board/board.js";
 import { byId, make } from "./dom.js";
 import { showLoop, showReport } from "./figures.js";
 import { copies, showFiles } from "./files.js";
@@ -21,6 +22,7 @@ const hosts = JSON.parse(byId("hosts").textContent);
 const scope = new Scope(byId("scope"));
 const live = new Live(scope);
 const motor = new MotorView(byId("ring"));
+const board = new Board(core);
 live.listen((moment) => motor.goto(moment));
 live.listen(() => showSwitch());
 
@@ -169,7 +171,7 @@ async function show(result, from, keep) {
   hashes(result);
   byId("command").value = ask.command;
   const fragment = await toFragment(ask);
-  history.replaceState(null, "", fragment);
+  if (!byId("simulator").hidden) history.replaceState(null, "", fragment);
   byId("link").value = location.href;
   const headline = result.headline.slice(0, 3).map(([label, value]) => `${label} ${value}`).join(", ");
   const missed = result.passes ? "" : " An expectation is not met.";
@@ -216,6 +218,7 @@ function showSwitch() {
 
 function fill({ scenes: list, version }) {
   scenes = list;
+  board.offer(list);
   byId("version").textContent = `Version ${version}`;
   const groups = new Map();
   for (const entry of scenes) groups.set(entry.group, [...(groups.get(entry.group) ?? []), entry]);
@@ -269,6 +272,15 @@ window.addEventListener("hashchange", async () => {
   const given = await fromFragment(location.hash);
   if (given) openScene(given);
 });
+/** Shows the simulator or the board. */
+function view(name) {
+  for (const one of ["simulator", "board"]) {
+    byId(one).hidden = one !== name;
+    byId(`view-${one}`).setAttribute("aria-pressed", one === name);
+  }
+}
+for (const one of ["simulator", "board"]) byId(`view-${one}`).addEventListener("click", () => view(one));
+if (location.hash === "#board") view("board");
 copies("copy", "command");
 copies("copy-link", "link");
 

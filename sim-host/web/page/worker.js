@@ -10,6 +10,7 @@ self.onmessage = async ({ data }) => {
     ready = wasm_bindgen({ module_or_path: data.module });
     return;
   }
+  if (linkMessage(data)) return;
   const { id, ask, argument } = data;
   try {
     await ready;

@@ -10,6 +10,8 @@
 //! last run. Everything except the module `worker`, which defines the functions that JavaScript
 //! calls, is the same on the host, where it is tested.
 //!
+//! [`board`] talks to a real board over a serial port of the browser, or to a simulated one.
+//!
 //! # Example
 //!
 //! ```
@@ -20,6 +22,7 @@
 //! assert_eq!(result["drive_hash"], "74785270ae063ae8");
 //! ```
 
+pub mod board;
 mod catalogue;
 mod controls;
 mod figures;

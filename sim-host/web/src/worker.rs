@@ -7,6 +7,7 @@ use std::time::Duration;
 use serde_json::{Value, json};
 use wasm_bindgen::prelude::*;
 
+use crate::board::{PagePort, simulated, talk, tell};
 use crate::{FIRST_SCENE, Request, Session, scenes};
 
 #[wasm_bindgen]
@@ -18,6 +19,11 @@ extern "C" {
     /// Reports the progress of a run from time to time.
     #[wasm_bindgen(js_name = sonoglideProgress)]
     fn progress(reached: f64);
+
+    /// Returns the port to connect to: a scene, or nothing for the serial port that the page has
+    /// opened.
+    #[wasm_bindgen(js_name = sonoglidePort)]
+    fn port() -> Option<String>;
 
     /// Reports the message of a panic, after which the worker is lost.
     #[wasm_bindgen(js_name = sonoglidePanic)]
@@ -60,6 +66,22 @@ pub fn run(request: &str) -> String {
 #[wasm_bindgen]
 pub fn file(name: &str) -> String {
     SESSION.with_borrow_mut(|session| wrapped(session.file(name).map(Value::from)))
+}
+
+/// Talks to a board until the page leaves or the board is lost. It has no argument and no result,
+/// so that a browser can suspend it.
+#[wasm_bindgen]
+pub fn connect() {
+    let port = match port() {
+        Some(request) => {
+            serde_json::from_str(&request).map_err(|error| error.to_string()).and_then(|request| simulated(&request))
+        }
+        None => Ok(Box::new(PagePort::new("the serial port")) as _),
+    };
+    match port {
+        Ok(port) => talk(port),
+        Err(error) => tell(&json!({ "event": "ended", "error": error })),
+    }
 }
 
 fn answer(request: &str, ask: impl FnOnce(&mut Session, &Request) -> Result<Value, String>) -> String {

@@ -40,9 +40,9 @@ export class Browser {
     return new Promise((resolve, reject) => this.#waiting.set(id, { resolve, reject }));
   }
 
-  /** Opens a page of a given size at an address. */
-  async page(address, { width = 1280, height = 900, dark = false, still = true } = {}) {
-    const { targetId } = await this.send("Target.createTarget", { url: "about:blank" });
+  /** Opens a page of a given size at an address; in the same window, it hides the former one. */
+  async page(address, { width = 1280, height = 900, dark = false, still = true, prepare = null, newWindow = false } = {}) {
+    const { targetId } = await this.send("Target.createTarget", { url: "about:blank", newWindow });
     const { sessionId } = await this.send("Target.attachToTarget", { targetId, flatten: true });
     const page = new Page(this, sessionId, targetId);
     this.#listeners.push((method, params, session) => session === sessionId && page.heard(method, params));
@@ -50,6 +50,7 @@ export class Browser {
     await page.send("Emulation.setDeviceMetricsOverride", { width, height, deviceScaleFactor: 1, mobile: width < 500 });
     const features = [{ name: "prefers-color-scheme", value: dark ? "dark" : "light" }, { name: "prefers-reduced-motion", value: still ? "reduce" : "no-preference" }];
     await page.send("Emulation.setEmulatedMedia", { features });
+    await prepare?.(page);
     await page.send("Page.navigate", { url: address });
     return page;
   }
@@ -75,6 +76,7 @@ export class Page {
   }
 
   heard(method, params) {
+    if (method === "Runtime.bindingCalled") this.onbinding?.(params);
     if (method === "Runtime.exceptionThrown") this.complaints.push(params.exceptionDetails.exception?.description ?? params.exceptionDetails.text);
     if (method === "Runtime.consoleAPICalled" && ["error", "warning", "assert"].includes(params.type)) this.complaints.push(params.args.map((value) => value.value ?? value.description).join(" "));
     if (method === "Log.entryAdded" && ["error", "warning"].includes(params.entry.level)) this.complaints.push(params.entry.text);
@@ -101,7 +103,7 @@ export class Page {
   }
 
   async key(key, modifiers = 0) {
-    const codes = { Tab: 9, Enter: 13, " ": 32, ArrowRight: 39, ArrowLeft: 37, Home: 36 };
+    const codes = { Tab: 9, Escape: 27, Enter: 13, " ": 32, ArrowRight: 39, ArrowLeft: 37, Home: 36 };
     const event = { key, code: key === " " ? "Space" : key, windowsVirtualKeyCode: codes[key], modifiers, text: key === "Enter" ? "\r" : key === " " ? " " : undefined };
     await this.send("Input.dispatchKeyEvent", { type: event.text ? "keyDown" : "rawKeyDown", ...event });
     await this.send("Input.dispatchKeyEvent", { type: "keyUp", ...event, text: undefined });

@@ -18,7 +18,7 @@ use crate::rows::means;
 use crate::touchstone::{self, Parameters, Touchstone};
 use crate::traces;
 use crate::units::{numbers, to_si};
-use columns::{Table, file, formats};
+use columns::{Table, file};
 
 /// Usual reference resistance of scattering parameters, ohm.
 const Z0_OHM: f64 = 50.0;
@@ -66,7 +66,7 @@ impl Measured {
             return Err(ImportError::UnknownForm { seen: format!("Touchstone with {count} ports; known are one and two") });
         }
         let ports = ["s1p", "s2p"].iter().position(|end| small.ends_with(&format!(".{end}"))).map(|at| at + 1);
-        let text = formats::text(bytes);
+        let text = columns::text(bytes);
         match text {
             Ok(text) if ports.is_some() || touchstone::looks_like(&text) => {
                 from_touchstone(touchstone::read(&text, ports)?, options)
@@ -146,7 +146,7 @@ fn from_touchstone(file: Touchstone, options: &Options) -> Result<Measured, Impo
 fn from_table(bytes: &[u8], text: Option<&str>, options: &Options) -> Result<Measured, ImportError> {
     let columns = options.columns.as_deref();
     let traces = text.map_or(Ok(None), |text| traces::joined(text, columns))?;
-    let table = traces.map_or_else(|| formats::parse(bytes, columns), Ok)?;
+    let table = traces.map_or_else(|| columns::parse(bytes, columns), Ok)?;
     let mut remarks = vec![format!("A table with {}", table.found)];
     let table = one_series(table, &mut remarks);
     let Some(names) = &table.names else {

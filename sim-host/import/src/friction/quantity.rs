@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::error::ImportError;
 use crate::units::{Units, factor, numbers};
-use columns::{Heading, Table, Unit, beginning, formats};
+use columns::{Heading, Table, Unit, beginning};
 
 /// Quantity of a column or of a part of a file name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -114,7 +114,7 @@ pub(super) struct Columns {
 impl Columns {
     /// Parses the content of a file. `names` replaces its heading.
     pub(super) fn parse(bytes: &[u8], names: Option<&str>) -> Result<Self, ImportError> {
-        let table = formats::parse(bytes, names)?;
+        let table = columns::parse(bytes, names)?;
         Ok(Columns { names: table.headings(), table })
     }
 

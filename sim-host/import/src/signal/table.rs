@@ -3,7 +3,7 @@
 use std::ops::Range;
 use std::path::Path;
 
-use columns::{Column, Heading, Table, Unit, formats, heading::is_time_name};
+use columns::{Column, Heading, Table, Unit, heading::is_time_name};
 
 use super::SignalError;
 
@@ -27,7 +27,7 @@ impl Columns {
     /// # Errors
     /// Returns an error if it does not contain a table.
     pub fn parse(path: &Path, bytes: &[u8]) -> Result<Self, SignalError> {
-        let table = formats::parse(bytes, None).map_err(|error| {
+        let table = columns::parse(bytes, None).map_err(|error| {
             let line = error.line().map_or_else(String::new, |line| format!("line {line}: "));
             SignalError::Form { path: path.to_owned(), why: format!("{line}{error}") }
         })?;

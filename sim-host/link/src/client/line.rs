@@ -139,8 +139,7 @@ impl Line {
 
     /// Reopens the port. The caller repeats the request that was pending.
     pub(super) fn reopen(&mut self, why: &str) -> Result<(), LinkError> {
-        // A board in this process cannot be restarted.
-        if self.port.stands_still() {
+        if !self.port.can_reopen() {
             return Err(self.lost(why.to_owned()));
         }
         (self.note)(&format!("lost {}: {why}; trying to open it again", self.port.name()));

@@ -1,22 +1,20 @@
 //! `capture`: records voltage, current and drive sample by sample around a trigger.
 
-use std::fs;
 use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::{Args, ValueEnum};
 use firmware::board::capture::{Arm, CaptureReport, CaptureState, CaptureVerb, PARTS, SAMPLES, Trigger};
 use firmware::board::command::{Command, Reply};
-use serde_json::json;
 
 use super::seconds;
 use crate::answer::{Answer, quantity};
 use crate::client::unexpected;
+use crate::files::ResultFolder;
 use crate::link_error::LinkError;
 use crate::scale::Scale;
 use crate::session::Session;
 use report::{self, Axis, Figure, Report, Series, Span};
-use sim::output::Folder;
 use sim::provenance::Provenance;
 
 /// Arguments of the command.
@@ -118,7 +116,7 @@ pub fn run(args: &CaptureArgs, session: &mut Session) -> Result<Answer, LinkErro
         .field("peak_voltage_v", volts)
         .field("peak_current_a", amperes)
         .field("peak_drive_v", drive);
-    if let (Some(dir), Some(folder)) = (&args.output, &folder) {
+    if let (Some(dir), Some(folder)) = (&args.output, folder) {
         let provenance = session.provenance.clone();
         session.meanwhile(|| write(&captured, &scale, folder, &provenance))??;
         answer = answer
@@ -170,9 +168,7 @@ pub fn fetch(within: Duration, session: &mut Session) -> Result<Captured, LinkEr
 }
 
 /// Writes codes and SI units as CSV, and the figures.
-fn write(captured: &Captured, scale: &Scale, folder: &Folder, provenance: &Provenance) -> Result<(), LinkError> {
-    let dir = folder.unfinished();
-    let path = dir.join("capture.csv");
+fn write(captured: &Captured, scale: &Scale, folder: ResultFolder, provenance: &Provenance) -> Result<(), LinkError> {
     let time_s: Vec<f64> =
         (0..captured.v.len()).map(|n| (n as f64 - f64::from(captured.report.before)) / scale.sample_hz).collect();
     let rows = time_s.iter().zip(&captured.v).zip(&captured.i).zip(&captured.drive);
@@ -181,7 +177,7 @@ fn write(captured: &Captured, scale: &Scale, folder: &Folder, provenance: &Prove
         format!("{time_s:.9},{volts:.6e},{amperes:.6e},{drive_v:.6e},{v},{i},{drive}\n")
     });
     let text = "time_s,voltage_v,current_a,drive_v,v_code,i_code,drive_code\n".to_owned() + &lines.collect::<String>();
-    fs::write(&path, text).map_err(|io| LinkError::Write { path, io })?;
+    folder.file("capture.csv", &text)?;
     let time_us: Vec<f64> = time_s.iter().map(|time| 1e6 * time).collect();
     let curve = |name: &str, column: &str, y: Vec<f64>| Series {
         name: name.into(),
@@ -222,6 +218,6 @@ fn write(captured: &Captured, scale: &Scale, folder: &Folder, provenance: &Prove
         footer: provenance.footer(),
         ..Report::default()
     };
-    report::write(&page, dir)?;
-    Ok(folder.finish(json!({ "complete": true }))?)
+    folder.report(&page)?;
+    folder.finish()
 }

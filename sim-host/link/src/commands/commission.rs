@@ -140,8 +140,8 @@ pub fn run(args: &CommissionArgs, session: &mut Session) -> Result<Answer, LinkE
     let mut board = BoardSettings::read(args.heating.is_some(), session)?;
     let done = commission(args, &mut board, session);
     let done = done.and_then(|found| {
-        if let (Some(dir), Some(folder)) = (&args.output, &folder) {
-            output::write(&found, folder, dir, &session.provenance)?;
+        if let Some(folder) = folder {
+            output::write(&found, folder, &session.provenance)?;
         }
         if args.yes {
             board.finish(&found.settings(), session)?;

@@ -22,6 +22,13 @@ pub struct FaultArgs {
     what: Option<What>,
 }
 
+impl FaultArgs {
+    /// Returns `true` if the command clears the fault.
+    pub fn clears(&self) -> bool {
+        self.what == Some(What::Clear)
+    }
+}
+
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum What {
     Clear,

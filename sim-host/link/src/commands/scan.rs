@@ -56,10 +56,10 @@ pub fn run(args: &ScanArgs, session: &mut Session) -> Result<Answer, LinkError> 
     }
     let answer = in_words(&report, list(&found, report.transducer.as_ref(), Answer::to("scan")));
     let answer = drawn.compared(answer);
-    let answer = match (&args.output, &folder) {
+    let answer = match (&args.output, folder) {
         (Some(dir), Some(folder)) => {
-            drawn.write(folder.unfinished(), &session.provenance)?;
-            folder.finish(json!({ "complete": true }))?;
+            drawn.write(&folder, &session.provenance)?;
+            folder.finish()?;
             answer.line(format!("written: {}", dir.join("admittance.svg").display()))
         }
         _ => answer.line(drawn.in_terminal()),

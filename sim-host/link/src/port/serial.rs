@@ -6,11 +6,9 @@ use std::time::{Duration, Instant};
 use serialport::{ClearBuffer, ErrorKind, SerialPort};
 
 use super::listed::sentence;
-use super::{Port, chance, within};
+use super::{BAUD, Port, chance, within};
 use crate::link_error::LinkError;
 
-/// Baud rate of the board's UART, bit/s.
-pub const BAUD: u32 = 921_600;
 /// Shortest read timeout.
 const MIN_READ_TIMEOUT: Duration = Duration::from_millis(1);
 /// Longest read timeout.

@@ -10,6 +10,7 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use flate2::Compression;
 use flate2::write::GzEncoder;
+use lzma_rust2::{LzmaOptions, LzmaWriter};
 
 use crate::compile::Core;
 
@@ -22,9 +23,10 @@ pub struct Parts<'a> {
 }
 
 /// Modules of the page, each after those that it imports.
-const MODULES: [&str; 13] = [
+const MODULES: [&str; 21] = [
     "format.js",
     "dom.js",
+    "lzma.js",
     "core.js",
     "request.js",
     "controls.js",
@@ -35,13 +37,33 @@ const MODULES: [&str; 13] = [
     "motor.js",
     "crash.js",
     "files.js",
+    "board/connection.js",
+    "board/recorder.js",
+    "board/settings.js",
+    "board/tabs.js",
+    "board/live-view.js",
+    "board/bursts.js",
+    "board/board.js",
     "main.js",
 ];
-const STYLES: [&str; 4] = ["../../report/assets/uPlot.min.css", "../../report/assets/crash.css", "page.css", "result.css"];
+const STYLES: [&str; 5] =
+    ["../../report/assets/uPlot.min.css", "../../report/assets/crash.css", "page.css", "result.css", "board/board.css"];
 
 /// Compresses as a server would.
 pub fn gzip(bytes: &[u8]) -> Result<Vec<u8>> {
     let mut encoder = GzEncoder::new(Vec::new(), Compression::best());
+    encoder.write_all(bytes)?;
+    Ok(encoder.finish()?)
+}
+
+/// Preset of LZMA with the smallest result.
+const LZMA_PRESET: u32 = 9;
+
+/// Packs the module to two thirds of the size by gzip; `page/lzma.js` unpacks it.
+fn lzma(bytes: &[u8]) -> Result<Vec<u8>> {
+    // Instructions have no fixed length, so that bits of the position predict nothing.
+    let options = LzmaOptions { lc: 4, pb: 0, ..LzmaOptions::with_preset(LZMA_PRESET) };
+    let mut encoder = LzmaWriter::new_use_header(Vec::new(), &options, Some(bytes.len() as u64))?;
     encoder.write_all(bytes)?;
     Ok(encoder.finish()?)
 }
@@ -57,14 +79,15 @@ pub fn page(parts: &Parts) -> Result<String> {
     let library =
         format!("/*\n{}*/\n{}", read("../../report/assets/uPlot.LICENSE")?, read("../../report/assets/uPlot.iife.min.js")?);
     let plots = [library, read("../../report/assets/report.js")?, read("../../report/assets/crash.js")?].join("\n");
-    let worker = [parts.core.glue.clone(), read("worker.js")?].join("\n");
+    let worker = [parts.core.glue.clone(), read("worker.js")?, read("board/link-worker.js")?].join("\n");
     let mut page = read("index.html")?;
     for (mark, text) in [
+        ("<!-- board -->\n", &read("board/board.html")?),
         ("/* style */", &styles),
         ("/* plots */", &script(&plots)),
         ("/* worker */", &script(&worker)),
         ("/* hosts */", &script(parts.core.hosts.trim())),
-        ("/* wasm */", &STANDARD.encode(gzip(&parts.core.wasm)?)),
+        ("/* wasm */", &STANDARD.encode(lzma(&parts.core.wasm)?)),
         ("/* page */", &script(&modules)),
         ("/* commit */", &commit()),
     ] {

@@ -2,7 +2,7 @@
 //! from a server and loads nothing else.
 //!
 //! ```text
-//! sonoglide-web --cargo--> wasm --wasm-bindgen--> glue + wasm --gzip, base64--+
+//! sonoglide-web --cargo--> wasm --wasm-bindgen--> glue + wasm --LZMA, base64--+
 //! built-in scenes --run here--> drive hashes of the host ---------------------+--> page/index.html with everything in it
 //! page/*.css, page/*.js, the scripts of a report -----------------------------+
 //! ```

@@ -1,20 +1,16 @@
 //! Files of a commissioning: report, settings and twin.
 
-use std::fs;
-use std::path::Path;
-
 use realfft::num_complex::Complex64;
-use serde_json::json;
 
 use super::drawing::{admittance, places};
 use super::{Commissioned, table};
 use crate::admittance::phases;
 use crate::answer::quantity;
+use crate::files::ResultFolder;
 use crate::link_error::LinkError;
 use crate::parameter::{parameter, shown};
 use report::{self, Axis, Figure, Marker, Report, Series, Style, TableBlock};
 use sim::advice::table::tables;
-use sim::output::Folder;
 use sim::provenance::Provenance;
 
 /// Returns the name, the value and the effect or uncertainty of each proposed setting.
@@ -69,15 +65,11 @@ fn settings(found: &Commissioned) -> String {
 }
 
 /// Writes all files into the folder.
-pub fn write(found: &Commissioned, folder: &Folder, dir: &Path, provenance: &Provenance) -> Result<(), LinkError> {
-    let at = folder.unfinished();
-    let file =
-        |name: &str, text: &str| fs::write(at.join(name), text).map_err(|io| LinkError::Write { path: dir.join(name), io });
-    file("settings.txt", &settings(found))?;
-    file("twin.toml", &found.twin)?;
-    report::write(&Report { footer: provenance.footer(), ..page(found) }, at)?;
-    folder.finish(json!({ "complete": true }))?;
-    Ok(())
+pub fn write(found: &Commissioned, folder: ResultFolder, provenance: &Provenance) -> Result<(), LinkError> {
+    folder.file("settings.txt", &settings(found))?;
+    folder.file("twin.toml", &found.twin)?;
+    folder.report(&Report { footer: provenance.footer(), ..page(found) })?;
+    folder.finish()
 }
 
 fn page(found: &Commissioned) -> Report {
