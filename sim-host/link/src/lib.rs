@@ -37,6 +37,7 @@
 
 pub mod admittance;
 pub mod answer;
+pub mod as_on_board;
 pub mod client;
 pub mod commands;
 #[cfg(target_os = "linux")]
@@ -44,6 +45,7 @@ pub mod emulated_board;
 pub mod expect;
 pub mod flash_file;
 pub mod link_error;
+pub mod number_with_unit;
 pub mod parameter;
 pub mod port;
 pub mod prompt;

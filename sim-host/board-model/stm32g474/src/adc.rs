@@ -239,7 +239,8 @@ impl<W: Wires> Stm32g474<W> {
         if !unread || overwrites {
             self.adcs[index].data = value;
         }
-        if unread && !overwrites {
+        // Even if the newer value replaces the older one: a sample is lost.
+        if unread {
             return self.report(self.now(at), base + reg::ISR, 1 << 4, isr.0, Rule::AdcOverrun);
         }
         Ok(())

@@ -10,6 +10,7 @@ use columns::file::{MAX_DATA_BYTES, MAX_TEXT_BYTES};
 use firmware::board::command::{Command, Reply};
 use firmware::board::update::{CHUNK, Standing, UpdateDefect, UpdateReport, UpdateState, UpdateVerb};
 use nucleo_g474re::options;
+use nucleo_g474re::pages::FLASH;
 use update::key;
 use update::manifest::{MANIFEST, Manifest};
 
@@ -17,7 +18,7 @@ use crate::answer::Answer;
 use crate::client::unexpected;
 use crate::link_error::LinkError;
 use crate::session::Session;
-use crate::update_file::{pack, read};
+use crate::update_file::{PackError, flash_bytes, pack, read};
 
 /// Maximum time for the board to verify the received image.
 const VERIFY_TIMEOUT: Duration = Duration::from_secs(20);
@@ -96,14 +97,31 @@ pub fn make(args: &UpdateArgs, out: &Path) -> Result<Answer, LinkError> {
         return Err(LinkError::Usage("--allow-downgrade is for sending: `sim-host link PORT update FILE`".into()));
     }
     let elf = args.file.as_deref().ok_or_else(|| LinkError::Usage("the ELF file is missing: `update ELF`".into()))?;
+    let unpacked = |error: PackError| LinkError::Input(format!("{}: {error}", elf.display()));
+    if out.extension().is_some_and(|extension| extension == "bin") {
+        return make_flash_file(args, out, flash_bytes(&read(elf, MAX_DATA_BYTES)?).map_err(unpacked)?);
+    }
     let seed = args.key.as_deref().map(seed).transpose()?;
     let seed = seed.unwrap_or(key::DEVELOPMENT_SEED);
-    let bytes = pack(&read(elf, MAX_DATA_BYTES)?, Some(&seed))
-        .map_err(|error| LinkError::Input(format!("{}: {error}", elf.display())))?;
+    let bytes = pack(&read(elf, MAX_DATA_BYTES)?, Some(&seed)).map_err(unpacked)?;
     fs::write(out, &bytes).map_err(|io| LinkError::Write { path: out.to_owned(), io })?;
     let manifest = undamaged(&bytes)?;
     let line = format!("{}: {}, {} bytes, {}", out.display(), named(&manifest), bytes.len(), signer(&seed));
     Ok(Answer::to("update").line(line).field("bytes", bytes.len()).field("version", version(Some(manifest.identity.version))))
+}
+
+/// Writes the flash of a board without a first stage: `sim-host link file:OUT.bin update ELF`.
+fn make_flash_file(args: &UpdateArgs, out: &Path, bytes: Vec<u8>) -> Result<Answer, LinkError> {
+    if args.key.is_some() {
+        return Err(LinkError::Usage("--key signs an update; a .bin file is not signed".into()));
+    }
+    fs::write(out, &bytes).map_err(|io| LinkError::Write { path: out.to_owned(), io })?;
+    let line = format!(
+        "{}: {} bytes of flash from {FLASH:#010x}; copy it to the drive that the Nucleo's USB port shows",
+        out.display(),
+        bytes.len()
+    );
+    Ok(Answer::to("update").line(line).field("bytes", bytes.len()))
 }
 
 /// Returns the key that signs, with a warning if everybody has it.
