@@ -22,8 +22,5 @@ fn the_first_access_to_each_ram_is_not_needed() {
     let bss = file.symbols().find(|symbol| symbol.name() == Ok("__sbss")).expect("the variables").address();
     assert!((0x2000_0000..0x2000_8000).contains(&bss), "{bss:#x} is not in the first part of the RAM");
     // movw, movt, movs r1, #0; str; mov.w, add.w, ldr three times; dsb; bx lr.
-    assert_eq!(
-        text[4..].join(" "),
-        "2100 6001 f04f 5000 f500 4000 6801 f500 4000 6801 f500 4080 6801 f3bf 8f4f 4770"
-    );
+    assert_eq!(text[4..].join(" "), "2100 6001 f04f 5000 f500 4000 6801 f500 4000 6801 f500 4080 6801 f3bf 8f4f 4770");
 }

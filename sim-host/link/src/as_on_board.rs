@@ -37,11 +37,8 @@ pub fn defaults() -> [String; 1] {
 pub fn lowered(scene: &Driven) -> Vec<Lowered> {
     let (asked, built_in) = (values_of(&settings::config(scene)), values_of(&nucleo_g474re::config::config()));
     let limits = PARAMETERS.iter().enumerate().filter(|(_, parameter)| parameter.is_limit());
-    let compared = limits.map(|(n, parameter)| Lowered {
-        name: parameter.name,
-        asked: asked[n],
-        ceiling: ceiling(n, &asked, &built_in),
-    });
+    let compared =
+        limits.map(|(n, parameter)| Lowered { name: parameter.name, asked: asked[n], ceiling: ceiling(n, &asked, &built_in) });
     compared.filter(|limit| limit.asked > limit.ceiling).collect()
 }
 

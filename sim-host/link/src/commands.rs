@@ -63,8 +63,8 @@ pub enum Order {
     /// Show the running image and the state of an update; with a file: send, verify and install it.
     /// Only while the drive is silent.
     Update(update::UpdateArgs),
-    /// Check a board without an amplifier: microcontroller, clock, noise, and a tone from PA4, which
-    /// is wired to PA0, PA1 and PA7. The amplifier's enable stays low.
+    /// Check a board without an amplifier: microcontroller, clock, noise, and a tone from PA4,
+    /// which is wired to PA0, PA1 and PA7. The amplifier's enable stays low.
     Selftest(selftest::SelftestArgs),
     /// Stop the drive. Also takes a served board from the client that holds it.
     Stop,

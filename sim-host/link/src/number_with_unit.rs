@@ -22,7 +22,8 @@ pub fn number_in(text: &str, unit: &str) -> Result<f64, String> {
         }
         _ => {
             let base = Unit::parse(unit).ok_or_else(expected)?;
-            let found = Unit::parse_like(written, &base).ok_or_else(|| format!("the unit `{written}` is unknown; {}", expected()))?;
+            let found =
+                Unit::parse_like(written, &base).ok_or_else(|| format!("the unit `{written}` is unknown; {}", expected()))?;
             if !found.measures_like(&base) {
                 return Err(format!("`{written}` is not a unit of this quantity; {}", expected()));
             }

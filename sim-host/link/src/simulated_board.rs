@@ -202,7 +202,11 @@ impl SimulatedBoard {
 }
 
 /// Powers on a board with the flash of this setup.
-fn powered(setup: &Setup, rig: &Rc<RefCell<Rig>>, jumper: Option<Jumper>) -> Result<Bench<'static, Shared>, firmware::seam::error::Error> {
+fn powered(
+    setup: &Setup,
+    rig: &Rc<RefCell<Rig>>,
+    jumper: Option<Jumper>,
+) -> Result<Bench<'static, Shared>, firmware::seam::error::Error> {
     // Leaked like the statics of a board, which exist as long as the process.
     Bench::new(Box::leak(Box::default()), setup, Shared { rig: rig.clone(), jumper })
 }

@@ -163,7 +163,13 @@ fn spawn(image: &Path, serial: Serial, reads: OwnedFd, writes: OwnedFd) -> io::R
             command.args(SERIAL)
         }
     };
-    command.args(["-M", machine(image)?]).args(ARGUMENTS).arg(image).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::piped());
+    command
+        .args(["-M", machine(image)?])
+        .args(ARGUMENTS)
+        .arg(image)
+        .stdin(Stdio::null())
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped());
     command.fd_mappings(files).map_err(io::Error::other)?;
     command.spawn()
 }

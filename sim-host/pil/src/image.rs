@@ -117,7 +117,8 @@ pub fn test_image() -> Result<PathBuf, PilError> {
         return Err(PilError::Missing(reason));
     }
     // Only cargo knows the name of a test's file.
-    let (_, messages) = cargo("pil", TARGET, &["-p", "on-target", "--test", "on_target", "--message-format", "json-render-diagnostics"])?;
+    let (_, messages) =
+        cargo("pil", TARGET, &["-p", "on-target", "--test", "on_target", "--message-format", "json-render-diagnostics"])?;
     let artifact = |line: &str| {
         let message: Value = serde_json::from_str(line).ok()?;
         (message["target"]["name"] == "on_target").then(|| message["executable"].as_str().map(PathBuf::from))?

@@ -25,16 +25,8 @@ pub fn machine(image: &Path) -> io::Result<&'static str> {
 /// Arguments of the emulator, between the machine and the image, with semihosting on this host's
 /// files. The machine's time advances by one nanosecond per instruction; the image uses it to count
 /// instructions.
-pub const ARGUMENTS: [&str; 8] = [
-    "-icount",
-    "shift=0",
-    "-nographic",
-    "-monitor",
-    "none",
-    "-semihosting-config",
-    "enable=on,target=native",
-    "-kernel",
-];
+pub const ARGUMENTS: [&str; 8] =
+    ["-icount", "shift=0", "-nographic", "-monitor", "none", "-semihosting-config", "enable=on,target=native", "-kernel"];
 
 /// Arguments of a machine without a serial port to the host.
 pub const NO_SERIAL: [&str; 2] = ["-serial", "null"];

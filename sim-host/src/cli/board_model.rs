@@ -66,8 +66,7 @@ fn started(args: &LinkArgs, scene: &Driven) -> Result<Board, LinkError> {
             board_image().map_err(|error| lost(args, &error))?
         }
     };
-    Board::start(&read(&image, MAX_DATA_BYTES)?, scene, linked(args))
-        .map_err(|error| LinkError::Input(error.to_string()))
+    Board::start(&read(&image, MAX_DATA_BYTES)?, scene, linked(args)).map_err(|error| LinkError::Input(error.to_string()))
 }
 
 /// Starts the first stage with the image in its slot, signed by the development key.
@@ -82,8 +81,7 @@ fn in_slot(args: &LinkArgs, scene: &Driven) -> Result<Board, LinkError> {
          first, which takes a minute or more of this machine; --board-speed 8 shortens it",
         slot.len()
     ));
-    Board::start_in_slot(&read(&first_stage, MAX_DATA_BYTES)?, &slot, &elf, scene, linked(args))
-        .map_err(|error| refused(&error))
+    Board::start_in_slot(&read(&first_stage, MAX_DATA_BYTES)?, &slot, &elf, scene, linked(args)).map_err(|error| refused(&error))
 }
 
 /// Returns the error for an image that cannot be built here.

@@ -1,7 +1,7 @@
 //! Errata of the STM32G474 (ES0430) that were considered for this board, and its silicon revisions.
 //!
-//! Sections are numbered as in revision 9 of ES0430 (June 2024). The sheet itself was not available.
-//! Each row names the public source from which its content is known.
+//! Sections are numbered as in revision 9 of ES0430 (June 2024). The sheet itself was not
+//! available. Each row names the public source from which its content is known.
 
 /// Treatment of an erratum on this board.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -12,7 +12,7 @@ pub enum Handling {
     Handled {
         /// The workaround.
         how: &'static str,
-        /// File of a test in the repository, and a text of that test; `None` if it is only reviewed.
+        /// File of a test in the repository, and a text of that test; `None` if only reviewed.
         test: Option<(&'static str, &'static str)>,
     },
     /// The amplifier stays off on the affected revisions.
@@ -115,12 +115,7 @@ pub const ERRATA: [Erratum; 20] = [
         handling: Handling::NotMet("no injected group"),
         source: MODULE,
     },
-    Erratum {
-        sections: "2.7.3",
-        limitation: "a limitation of dual mode",
-        handling: Handling::Unread,
-        source: MODULE,
-    },
+    Erratum { sections: "2.7.3", limitation: "a limitation of dual mode", handling: Handling::Unread, source: MODULE },
     Erratum {
         sections: "2.7.4",
         limitation: "the output of an analog watchdog is reset by other channels",
@@ -197,10 +192,7 @@ pub const ERRATA: [Erratum; 20] = [
     Erratum {
         sections: "ES0418 2.7.1",
         limitation: "DAC of the STM32G0: data written before the mode may be lost; not stated for the STM32G4",
-        handling: Handling::Handled {
-            how: "the mode is written before the data",
-            test: None,
-        },
+        handling: Handling::Handled { how: "the mode is written before the data", test: None },
         source: "ES0418; precaution",
     },
 ];

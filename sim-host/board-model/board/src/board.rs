@@ -326,8 +326,8 @@ impl BlockVariables {
 /// sensors are supported.
 fn check(scene: &Driven) -> Result<(), BoardError> {
     let of_converters = |kind: FaultKind| {
-        use FaultKind::{Dropout, LateBlock, Open, Saturation, SensorStuck, Swapped};
-        matches!(kind, Dropout | LateBlock | Open | Saturation | SensorStuck | Swapped)
+        use FaultKind::{CurrentLate, Dropout, LateBlock, Open, Saturation, SensorStuck, Swapped};
+        matches!(kind, CurrentLate | Dropout | LateBlock | Open | Saturation | SensorStuck | Swapped)
     };
     if scene.fault.iter().any(|fault| of_converters(fault.kind)) {
         return Err(BoardError::Plant("it has faults of converters, which the board model does not support"));

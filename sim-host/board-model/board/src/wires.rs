@@ -85,8 +85,8 @@ pub struct Bench {
     /// Lane whose voltage and current are measured.
     listen: u8,
     block_samples: usize,
-    /// `true` if PA4 is wired to the inputs of both sense channels: the plant stays at rest, and its
-    /// noise and offset remain.
+    /// `true` if PA4 is wired to the inputs of both sense channels: the plant stays at rest, and
+    /// its noise and offset remain.
     pub jumper: bool,
     /// `true` if the scene begins with the next block.
     ordered: bool,

@@ -63,7 +63,8 @@ pub struct Stm32g474<W> {
     pub wires: W,
     /// Treatment of findings, and the collected ones.
     pub lint: Lint,
-    pub(crate) config: Config,
+    /// Properties of this part.
+    pub config: Config,
     pub(crate) regs: Registers,
     pub(crate) time: TimeBase,
     pub(crate) agenda: Agenda,

@@ -42,7 +42,13 @@ impl Counted {
 /// Builds the image, runs it, and reads its output.
 pub fn count() -> Result<Vec<Counted>, Error> {
     let image = counting_image()?;
-    let output = Command::new(PROGRAM).args(["-M", machine(&image).map_err(PilError::Start)?]).args(NO_SERIAL).args(ARGUMENTS).arg(&image).output().map_err(PilError::Start)?;
+    let output = Command::new(PROGRAM)
+        .args(["-M", machine(&image).map_err(PilError::Start)?])
+        .args(NO_SERIAL)
+        .args(ARGUMENTS)
+        .arg(&image)
+        .output()
+        .map_err(PilError::Start)?;
     if !output.status.success() {
         let message = String::from_utf8_lossy(&output.stderr);
         return Err(Error::Counts(format!("{}: {}", output.status, message.trim())));

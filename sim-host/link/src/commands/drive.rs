@@ -52,7 +52,9 @@ impl DriveArgs {
 fn amplitude(text: &str) -> Result<Amplitude, String> {
     let (number, unit) = split(text).ok_or("expected an amplitude with its unit, such as 2V, 500mV or 0.3A")?;
     if unit.is_empty() {
-        return Err(format!("the unit is missing: type `drive {number}V` for a voltage, or `drive {number}A` for a motional current"));
+        return Err(format!(
+            "the unit is missing: type `drive {number}V` for a voltage, or `drive {number}A` for a motional current"
+        ));
     }
     match volts(text) {
         Ok(volts) => Ok(Amplitude::Volts(volts)),

@@ -53,7 +53,7 @@ pub enum SettingsOrder {
     Set {
         /// Name of the parameter.
         name: String,
-        /// Value: a number in the unit of the name, or with its unit (`500mV`), or one of its names.
+        /// Value: a number in the unit of the name or with a unit (`500mV`), or a name.
         #[arg(allow_hyphen_values = true)]
         value: String,
     },

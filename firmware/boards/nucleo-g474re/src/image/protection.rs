@@ -76,8 +76,8 @@ static CUT: AtomicBool = AtomicBool::new(false);
 /// Arms the protection with these over-current thresholds and the enable low, then tests the
 /// over-current trips.
 ///
-/// The sample clock need not run. If the test fails, or if the enable must not rise on this silicon,
-/// it stays low until the next reset.
+/// The sample clock need not run. If the test fails, or if the enable must not rise on this
+/// silicon, it stays low until the next reset.
 pub fn start(lanes: u8, thresholds: Thresholds, levels: Levels, may_rise: bool) -> (Enable, Stop, Option<TripFailure>) {
     let dac = if Lanes::are_more_than_two(lanes) { DAC1 } else { DAC3 };
     route(dac, thresholds);
@@ -262,7 +262,7 @@ pub fn drop_enable() {
 /// again.
 pub struct Enable {
     high: bool,
-    /// `true` if the over-current trips have passed their test, on silicon without a refused erratum.
+    /// `true` if the over-current trips have passed their test, on silicon that is not refused.
     may_rise: bool,
 }
 

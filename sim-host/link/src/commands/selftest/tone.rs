@@ -44,7 +44,10 @@ pub struct Tone {
 /// Finds the tone in the codes of both channels and of the drive; `None` if no block has one.
 pub fn find(v: &[u16], i: &[u16], drive: &[u16], block_samples: usize, sample_hz: f64, nominal_hz: f64) -> Option<Tone> {
     let blocks = |codes: &[u16]| -> Vec<DVector<f64>> {
-        codes.chunks_exact(block_samples).map(|block| DVector::from_iterator(block.len(), block.iter().map(|&code| code.into()))).collect()
+        codes
+            .chunks_exact(block_samples)
+            .map(|block| DVector::from_iterator(block.len(), block.iter().map(|&code| code.into())))
+            .collect()
     };
     let (v, i, drive) = (blocks(v), blocks(i), blocks(drive));
     let swing = |block: &DVector<f64>| 0.5 * (block.max() - block.min());
@@ -83,7 +86,9 @@ fn fit(block: &DVector<f64>, cycles: f64, harmonics: usize) -> (Vec<Complex<f64>
         let angle = TAU * cycles * column.div_ceil(2) as f64 * n as f64;
         if column % 2 == 0 && column > 0 { angle.sin() } else { angle.cos() }
     });
-    let Ok(found) = columns.clone().svd(true, true).solve(block, 1e-12) else { return (vec![Complex::new(0.0, 0.0); harmonics], f64::INFINITY) };
+    let Ok(found) = columns.clone().svd(true, true).solve(block, 1e-12) else {
+        return (vec![Complex::new(0.0, 0.0); harmonics], f64::INFINITY);
+    };
     let phasors = (0..harmonics).map(|h| Complex::new(found[1 + 2 * h], -found[2 + 2 * h])).collect();
     (phasors, (columns * found - block).norm_squared())
 }
