@@ -117,7 +117,7 @@ pub enum Command {
     Update(UpdateVerb),
     /// Requests the microcontroller, its clock, and the longest block.
     Hardware,
-    /// Keeps the enable of the amplifier low, whatever the controller plays, until it is released
+    /// Keeps the enable of the amplifier low, also while the controller plays, until it is released
     /// in silence or the board restarts.
     Mute(bool),
 }

@@ -1,8 +1,8 @@
 //! First accesses to the RAMs after a reset, before any variable is initialised: ES0430 2.2.7.
 //!
 //! A reset at an unlucky instant can cause the first write to each part of the RAM to be lost. A
-//! read takes its place. The first 32 KiB may have a parity check, which a read of unwritten RAM would
-//! fail, so they are written; the word is initialised again afterwards.
+//! read takes its place. The first 32 KiB may have a parity check, which a read of unwritten RAM
+//! would fail, so they are written; the word is initialised again afterwards.
 #![expect(unsafe_code, reason = "runs before the variables are initialised, in assembly without a stack")]
 
 use core::arch::naked_asm;

@@ -149,7 +149,7 @@ fn check(args: &SelftestArgs, folder: Option<&Folder>, session: &mut Session) ->
     Ok(answer.line(verdict))
 }
 
-/// Adds the tone to the answer, and what it violates to the failures. The distortion is not judged:
+/// Adds the tone to the answer, and violated limits to the failures. The distortion is not judged:
 /// it includes that of the buffer of the DAC.
 fn tone_in_words(answer: Answer, tone: &Tone, scale: &Scale, failures: &mut Vec<String>) -> Answer {
     let wire = scale.sense_mid_code / scale.drive_mid_code;

@@ -19,7 +19,7 @@ pub fn run(session: &mut Session) -> Result<Answer, LinkError> {
     let hardware = hardware::ask(session)?;
     let mut answer = in_words(&report, Answer::to("status"));
     if hardware.is_some_and(|hardware| hardware.muted) {
-        answer = answer.line("           muted: the enable stays low, whatever is ordered (`reset` ends this)");
+        answer = answer.line("           muted: the enable stays low, also during a drive (`reset` ends this)");
     }
     ask_keys(hardware.into_iter().fold(answer, hardware::in_words), session)
 }
