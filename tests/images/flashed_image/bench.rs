@@ -25,7 +25,8 @@ fn run(line: &str, session: &mut Session) -> Answer {
 
 /// Returns a bare Nucleo after power-on, with a session.
 fn bare(elf: &[u8], change: impl FnOnce(&mut Board)) -> (Rc<RefCell<Board>>, Session) {
-    let scene = dummy_load().scene.driven().expect("a driven scene");
+    let loaded = dummy_load();
+    let scene = loaded.scene.driven().expect("a driven scene");
     let mut board = Board::start(elf, &scene, Options { jumper: true, ..Options::default() }).expect("the board starts");
     change(&mut board);
     let (board, client) = connected(board);
