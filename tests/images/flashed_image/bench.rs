@@ -84,7 +84,7 @@ fn refused_silicon_keeps_the_amplifier_off() {
     client.connect().expect("an answer");
     client.order(Command::Run).expect("acknowledged");
     assert!(reaches(&mut client, &board, Mode::Fault, Duration::from_millis(200)), "the order must end in a fault");
-    assert_eq!(client.status().expect("an answer").and_then(|report| report.fault), Some(Fault::OverCurrent));
+    assert_eq!(client.status().expect("an answer").and_then(|report| report.fault), Some(Fault::LoadShorted));
     assert!(board.borrow().machine().chip.wires.edges.iter().all(|edge| !edge.high), "the enable was high");
     let mut session = Session::begin(client, SessionOptions::default()).expect("a session");
     let log = run("fault log", &mut session);
