@@ -2,6 +2,7 @@
 
 mod config;
 mod dummy_load;
+mod errata;
 mod hardware;
 mod option_bytes;
 mod sensors;

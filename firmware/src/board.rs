@@ -9,6 +9,7 @@ pub mod block_task;
 pub mod capture;
 pub mod command;
 pub mod fault_log;
+pub mod hardware;
 pub mod link;
 pub mod lockstep;
 pub mod parameters;

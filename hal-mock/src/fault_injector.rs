@@ -24,6 +24,8 @@ pub enum FaultKind {
     Swapped,
     /// The voltage channel stays at its last code.
     SensorStuck,
+    /// The current channel is one sample late.
+    CurrentLate,
     /// The voltage channel is offset by this number of codes.
     SensorOffset(i16),
     /// Both channels read the end of their range.
@@ -91,6 +93,8 @@ pub struct FaultInjector<A> {
     by_chance: Vec<(FaultKind, f64)>,
     flip: f64,
     last_voltage_code: u16,
+    /// Last current code of the previous block, before any damage.
+    last_current_code: u16,
     last_force: Option<f32>,
     encoder: Encoder,
     block: u64,
@@ -110,6 +114,7 @@ impl<A> FaultInjector<A> {
             by_chance: Vec::new(),
             flip: 0.0,
             last_voltage_code: front_end.sense_mid_code,
+            last_current_code: front_end.sense_mid_code,
             last_force: None,
             encoder: Encoder::default(),
             block: 0,
@@ -165,6 +170,10 @@ impl<A> FaultInjector<A> {
             FaultKind::Open => sense.i.fill(self.mid_code),
             FaultKind::Swapped => std::mem::swap(&mut sense.v, &mut sense.i),
             FaultKind::SensorStuck => sense.v.fill(self.last_voltage_code),
+            FaultKind::CurrentLate => {
+                let mut late = self.last_current_code;
+                sense.i.iter_mut().for_each(|code| std::mem::swap(code, &mut late));
+            }
             FaultKind::SensorOffset(codes) => {
                 sense.v.iter_mut().for_each(|code| *code = code.saturating_add_signed(codes).min(self.max_code));
             }
@@ -213,6 +222,7 @@ impl<A> FaultInjector<A> {
     /// [`Analog::exchange`].
     pub fn damage(&mut self, sense: &mut SenseBlock) {
         let events = self.next_events();
+        let current_code = sense.i.last().copied();
         let measures =
             |kind: &FaultKind| !matches!(kind, FaultKind::BeltStopped | FaultKind::EncoderStuck | FaultKind::EncoderLies);
         if let Some(belt) = sense.slow.belt.filter(|_| self.broken.iter().all(measures)) {
@@ -222,6 +232,7 @@ impl<A> FaultInjector<A> {
         broken.iter().chain(&events).for_each(|&kind| self.apply(kind, sense));
         self.flip_bits(sense);
         self.last_force = sense.slow.force;
+        self.last_current_code = current_code.unwrap_or(self.last_current_code);
         self.last_voltage_code = sense.v.last().copied().unwrap_or(self.last_voltage_code);
         self.block += 1;
     }

@@ -36,6 +36,7 @@ mod spectrum;
 mod sweep;
 mod validate;
 
+use std::ffi::OsString;
 use std::io::{self, IsTerminal, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -51,6 +52,7 @@ use self::exit::{EXIT_CODES, Exit, mistake};
 use self::provenance::provenance;
 use self::result_args::{Format, ReportArgs, ResultArgs};
 use self::run::RunArgs;
+use ::link::number_with_unit::joined;
 use scene::load::{Loaded, load};
 use scene::resolved::resolved_toml;
 use scene::{builtin, schema, suite};
@@ -191,9 +193,20 @@ impl SceneArgs {
     }
 }
 
+/// Returns the words of the command line; those of `link` may have a unit apart from its number, as
+/// `drive 2 V`.
+fn words(arguments: impl Iterator<Item = OsString>) -> Vec<OsString> {
+    let arguments: Vec<OsString> = arguments.collect();
+    let text: Option<Vec<String>> = arguments.iter().map(|word| word.to_str().map(str::to_owned)).collect();
+    match text.filter(|words| words.get(1).is_some_and(|word| word == "link")) {
+        Some(words) => joined(words).into_iter().map(OsString::from).collect(),
+        None => arguments,
+    }
+}
+
 /// Parses the arguments of this process, runs the command and returns the exit code.
 pub fn main() -> ExitCode {
-    let matches = command().try_get_matches().unwrap_or_else(|error| {
+    let matches = command().try_get_matches_from(words(std::env::args_os())).unwrap_or_else(|error| {
         let arguments: Vec<String> = std::env::args().skip(1).collect();
         // Help and version are errors of clap, too.
         if let Some(meant) = hint::meant(error.kind(), &arguments).filter(|_| error.use_stderr()) {

@@ -370,6 +370,26 @@ fn scenes() -> Vec<(String, String)> {
     scenes
 }
 
+/// The commands of the first power of a board work on the simulated dummy load, or with a jumper
+/// instead of it.
+#[test]
+fn first_power_can_be_rehearsed() {
+    let folder = Folder::new("first-power");
+    let rehearsed = |page: &str, port: &str| {
+        let text = fs::read_to_string(root().join("docs").join(page)).expect("the page");
+        let lines = code(&text).into_iter().filter_map(|line| line.strip_prefix("sim-host link /dev/ttyACM0").map(str::to_owned));
+        let lines: BTreeSet<String> = lines.collect();
+        assert!(!lines.is_empty(), "{page} has no command to a board");
+        for line in lines {
+            let words = shlex::split(&format!("link {port}{line}")).expect("words");
+            let (code, errors) = folder.run(&words);
+            assert_eq!(code, 0, "{page}: {words:?}\n{errors}");
+        }
+    };
+    rehearsed("first-power.md", "sim:dummy-load");
+    rehearsed("bare-nucleo.md", "sim:dummy-load --jumper");
+}
+
 #[test]
 fn every_documented_scene_is_valid() {
     let folder = Folder::new("scenes");

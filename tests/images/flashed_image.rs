@@ -5,6 +5,7 @@
 
 mod amplifier;
 mod belt;
+mod bench;
 mod commission;
 mod power_cut;
 mod protection;

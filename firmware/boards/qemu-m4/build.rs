@@ -8,6 +8,9 @@ fn main() {
     }
     // The linker runs in the workspace root and finds `memory.x` there.
     println!("cargo::rerun-if-changed=../../../memory.x");
+    if std::env::var("TARGET").is_ok_and(|target| target.starts_with("thumbv8m.main")) {
+        println!("cargo::rustc-link-arg-bins=--defsym=__mps2_an505=1");
+    }
     println!("cargo::rustc-link-arg-bins=--nmagic");
     println!("cargo::rustc-link-arg-bins=-Tlink.x");
 }

@@ -7,6 +7,7 @@
 //!
 //! * The enable pin is high only if the controller is driving or an attempt to drive has just been
 //!   ordered, there is no fault, and the emergency stop is not pressed.
+//! * A muted enable stays low: a bench without an amplifier plays tones that way.
 //! * The emergency stop lowers the enable pin here, without waiting for the controller, and orders
 //!   a fault that stays. The pin stays low until the controller is silent, however short the press.
 //! * The watchdog is fed only while blocks arrive: if the block stream stops, the board resets.
@@ -38,6 +39,7 @@ use self::host_watch::HostWatch;
 use self::outbox::Outbox;
 use crate::board::command::{Converters, Reply, ResonanceReport};
 use crate::board::fault_log::FaultLog;
+use crate::board::hardware::HardwareReport;
 use crate::board::link::Receiver;
 use crate::board::power_up::PowerUp;
 use crate::board::queues::BackgroundEnds;
@@ -119,8 +121,8 @@ pub struct App<'a, L, E, S, W, F: NorFlash> {
     resetting: bool,
     /// Receiver of updates, on a board that can be updated.
     updates: Option<&'a mut dyn Updates>,
-    /// Option bytes with unexpected values, one bit each.
-    option_bytes: u16,
+    /// Hardware of the board, for reports to the host.
+    hardware: HardwareReport,
     /// `true` if a host has been obeyed since the start.
     host_obeyed: bool,
 }
@@ -177,7 +179,7 @@ where
             session: HostSession::default(),
             resetting: false,
             updates: None,
-            option_bytes: 0,
+            hardware: HardwareReport::default(),
             host_obeyed: false,
         }
     }
@@ -193,9 +195,14 @@ where
         self.built_in = Some(built_in);
     }
 
-    /// Sets the option bytes with unexpected values, one bit each, for reports to the host.
-    pub fn set_option_bytes(&mut self, option_bytes: u16) {
-        self.option_bytes = option_bytes;
+    /// Sets the hardware of the board, for reports to the host.
+    pub fn set_hardware(&mut self, hardware: HardwareReport) {
+        self.hardware = hardware;
+    }
+
+    /// Sets the longest block interrupt since the start, cycles, for reports to the host.
+    pub fn set_worst_cycles(&mut self, worst_cycles: u32) {
+        self.hardware.worst_cycles = worst_cycles;
     }
 
     /// Executes one pass of the loop. After an error the enable pin is low, if it can be written.
@@ -297,7 +304,7 @@ where
 
     fn set_enable(&mut self) -> Result<(), AppError> {
         let faulted = self.seen.is_some_and(|seen| seen.mode == Mode::Fault);
-        let on = (self.is_driving() || (self.attempt_is_pending() && !faulted)) && !self.stopping;
+        let on = (self.is_driving() || (self.attempt_is_pending() && !faulted)) && !self.stopping && !self.hardware.muted;
         self.peripherals.enable.set_state(on.into()).map_err(|_| AppError::Pin)
     }
 

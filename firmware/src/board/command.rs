@@ -31,6 +31,7 @@
 //! | a reading before the capture is full | `Nak(NotCaptured)` | |
 //! | a reading beyond the end of the capture | `Nak(OutOfRange)` | |
 //! | a capture command before the last one was answered | `Nak(Busy)` | the last one is answered |
+//! | a release of a muted amplifier while the board drives, or has been ordered to | `Nak(Driving)` | none |
 //! | an update while the board drives, or has been ordered to | `Nak(Driving)` | none |
 //! | an update for a board without a first stage | `Nak(NotConfigured)` | none |
 //! | a part of an update out of order, or an order to install an unchecked update | `Nak(OutOfRange)` | the received part stays |
@@ -53,6 +54,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::board::capture::{CaptureReport, CaptureVerb, Part};
 use crate::board::fault_log::FaultReport;
+use crate::board::hardware::HardwareReport;
 use crate::board::parameters::ParameterReport;
 use crate::board::stored_state::StoredState;
 use crate::board::update::{UpdateReport, UpdateVerb};
@@ -113,6 +115,11 @@ pub enum Command {
     /// Receives, checks or installs another image, in silence only, or reports the state of the
     /// update.
     Update(UpdateVerb),
+    /// Requests the microcontroller, its clock, and the longest block.
+    Hardware,
+    /// Keeps the enable of the amplifier low, also while the controller plays, until it is released
+    /// in silence or the board restarts.
+    Mute(bool),
 }
 
 /// Operation on lane trims and parameters. Active, set and stored values are distinct; each verb
@@ -169,6 +176,8 @@ pub enum Reply {
     Update(UpdateReport),
     /// Number of stores so far; each wears the flash.
     Stores(u32),
+    /// Microcontroller, its clock, and the longest block.
+    Hardware(HardwareReport),
 }
 
 /// Report of the lane trims, one frequency at a time.
@@ -241,6 +250,7 @@ impl Command {
         match *self {
             Command::Identify(_) | Command::TelemetryEvery(_) | Command::Settings(_) | Command::Resonances => return Ok(None),
             Command::Status | Command::Capture(_) | Command::Faults(_) | Command::Reset | Command::Update(_) => return Ok(None),
+            Command::Hardware | Command::Mute(_) => return Ok(None),
             Command::Patience(seconds) if seconds.is_nan() || seconds < 0.0 => return Err(Refusal::NotPlausible),
             Command::Patience(seconds) if f64::from(seconds) > Link::PATIENCE_S.max => return Err(Refusal::OutOfRange),
             Command::Patience(_) => return Ok(None),

@@ -39,6 +39,9 @@ pub enum Start {
     /// The over-current trips have failed their test after this start, for any cause: the
     /// amplifier stays off until the next reset.
     TripFailed(TripFailure),
+    /// The microcontroller has this silicon revision, with an erratum that this firmware does not
+    /// handle: the amplifier stays off.
+    UnsupportedSilicon(u16),
 }
 
 /// Failure of the test of the over-current trips, with the amplifier off.

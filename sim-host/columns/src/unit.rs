@@ -249,14 +249,16 @@ fn simple(symbol: &str, base: &str, scale: f64) -> Unit {
     Unit { symbol: symbol.to_owned(), scale: Some(scale), dimension: base.to_owned() }
 }
 
-/// Parses a frequency in hertz, also with a prefix such as `40k`; `None` if it is not a number.
+/// Parses a frequency in hertz, also with a prefix and the unit, such as `40k` or `40kHz`; `None`
+/// if it is not a number.
 pub fn hertz(text: &str) -> Option<f64> {
     let text = text.trim();
-    let (number, factor) = match text.strip_suffix(['k', 'M']) {
-        Some(number) => (number, if text.ends_with('k') { 1e3 } else { 1e6 }),
+    let text = ["Hz", "hz", "HZ"].iter().find_map(|unit| text.strip_suffix(unit)).unwrap_or(text).trim_end();
+    let (number, factor) = match text.strip_suffix(['k', 'K', 'M']) {
+        Some(number) => (number, if text.ends_with('M') { 1e6 } else { 1e3 }),
         None => (text, 1.0),
     };
-    number.parse::<f64>().ok().filter(|hz| hz.is_finite()).map(|hz| factor * hz)
+    number.trim_end().parse::<f64>().ok().filter(|hz| hz.is_finite()).map(|hz| factor * hz)
 }
 
 #[cfg(test)]

@@ -8,11 +8,13 @@ pub mod commission;
 pub mod drive;
 pub mod fault;
 pub mod friction;
+pub mod hardware;
 pub mod identify;
 pub mod lock;
 pub mod monitor;
 pub mod reset;
 pub mod scan;
+pub mod selftest;
 pub mod settings;
 pub mod status;
 pub mod update;
@@ -22,6 +24,7 @@ use firmware::board::command::Command;
 
 use crate::answer::Answer;
 use crate::link_error::LinkError;
+use crate::number_with_unit::number_in;
 use crate::session::Session;
 
 /// Command to a board.
@@ -51,9 +54,8 @@ pub enum Order {
     /// Watch the board: one line that is updated in a terminal, one line per report elsewhere.
     /// Ctrl-C ends it.
     Monitor(monitor::MonitorArgs),
-    /// Show, change and store settings that survive power-off.
-    #[command(subcommand)]
-    Settings(settings::SettingsOrder),
+    /// Show, change and store settings that survive power-off; alone, it lists all of them.
+    Settings(settings::SettingsArgs),
     /// Show the present fault; `clear` clears it, `log` lists earlier faults.
     Fault(fault::FaultArgs),
     /// Record voltage, current and drive sample by sample around a trigger, as CSV and figure.
@@ -61,6 +63,9 @@ pub enum Order {
     /// Show the running image and the state of an update; with a file: send, verify and install it.
     /// Only while the drive is silent.
     Update(update::UpdateArgs),
+    /// Check a board without an amplifier: microcontroller, clock, noise, and a tone from PA4,
+    /// which is wired to PA0, PA1 and PA7. The amplifier's enable stays low.
+    Selftest(selftest::SelftestArgs),
     /// Stop the drive. Also takes a served board from the client that holds it.
     Stop,
     /// Reset the board. Only while the drive is silent.
@@ -85,6 +90,7 @@ impl Order {
             Order::Fault(_) => "fault",
             Order::Capture(_) => "capture",
             Order::Update(_) => "update",
+            Order::Selftest(_) => "selftest",
             Order::Stop => "stop",
             Order::Reset => "reset",
         }
@@ -95,7 +101,7 @@ impl Order {
     pub fn only_reads(&self) -> bool {
         match self {
             Order::Identify | Order::Status | Order::Monitor(_) | Order::Stop => true,
-            Order::Settings(order) => matches!(order, settings::SettingsOrder::Get { .. } | settings::SettingsOrder::Trims),
+            Order::Settings(args) => matches!(args.order(), settings::SettingsOrder::Get { .. } | settings::SettingsOrder::Trims),
             Order::Fault(args) => !args.clears(),
             Order::Update(args) => args.file.is_none(),
             _ => false,
@@ -115,10 +121,11 @@ impl Order {
             Order::Friction(args) => friction::run(args, session),
             Order::Calibrate => calibrate::run(session),
             Order::Monitor(args) => monitor::run(args, session),
-            Order::Settings(order) => settings::run(order, session),
+            Order::Settings(args) => settings::run(args.order(), session),
             Order::Fault(args) => fault::run(args, session),
             Order::Capture(args) => capture::run(args, session),
             Order::Update(args) => update::run(args, session),
+            Order::Selftest(args) => selftest::run(args, session),
             Order::Stop => stop(session),
             Order::Reset => reset::run(session),
         }?;
@@ -136,16 +143,30 @@ fn stop(session: &mut Session) -> Result<Answer, LinkError> {
 
 /// Reads a number of seconds, from 0 to 1e6.
 pub fn seconds(text: &str) -> Result<f64, String> {
-    match text.trim_end_matches('s').trim().parse::<f64>() {
-        Ok(seconds) if seconds.is_finite() && (0.0..=1e6).contains(&seconds) => Ok(seconds),
+    match number_in(text, "s")? {
+        seconds if (0.0..=1e6).contains(&seconds) => Ok(seconds),
         _ => Err("expected seconds from 0 to 1000000, such as 0.5".into()),
     }
 }
 
-/// Reads a non-negative number.
-pub fn amount(text: &str) -> Result<f32, String> {
-    match text.parse::<f32>() {
-        Ok(amount) if amount.is_finite() && amount >= 0.0 => Ok(amount),
-        _ => Err("expected a non-negative number".into()),
+/// Reads a time that may be absent, as zero or more seconds.
+pub fn timeout(text: &str) -> Result<f32, String> {
+    not_negative(text, "s")
+}
+
+/// Reads a voltage of at least zero.
+pub fn volts(text: &str) -> Result<f32, String> {
+    not_negative(text, "V")
+}
+
+/// Reads a current of at least zero.
+pub fn amperes(text: &str) -> Result<f32, String> {
+    not_negative(text, "A")
+}
+
+fn not_negative(text: &str, unit: &str) -> Result<f32, String> {
+    match number_in(text, unit)? as f32 {
+        amount if amount.is_finite() && amount >= 0.0 => Ok(amount),
+        _ => Err(format!("expected a non-negative number of {unit}")),
     }
 }

@@ -40,6 +40,7 @@
 
 pub mod admittance;
 pub mod answer;
+pub mod as_on_board;
 pub mod client;
 pub mod commands;
 #[cfg(all(target_os = "linux", feature = "host"))]
@@ -49,6 +50,7 @@ pub mod files;
 #[cfg(feature = "host")]
 pub mod flash_file;
 pub mod link_error;
+pub mod number_with_unit;
 pub mod parameter;
 pub mod port;
 pub mod prompt;

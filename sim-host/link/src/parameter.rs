@@ -6,7 +6,9 @@ use firmware::seam::config::{Parameter, Range};
 
 use crate::client::{Client, unexpected};
 use crate::link_error::LinkError;
+use crate::number_with_unit::{number_in, split};
 use scene::nearest::{listed, nearest};
+use scene::schema::unit_of;
 
 /// Returns the parameter with this name.
 pub fn parameter(name: &str) -> Result<&'static Parameter, LinkError> {
@@ -23,6 +25,13 @@ pub fn parameter(name: &str) -> Result<&'static Parameter, LinkError> {
     })
 }
 
+/// Returns the parameters of this group, or the one with this name.
+pub fn named(name: &str) -> Result<Vec<&'static Parameter>, LinkError> {
+    let is_of_group = |parameter: &&Parameter| parameter.name.split_once('.').is_some_and(|(group, _)| group == name);
+    let group: Vec<&Parameter> = PARAMETERS.iter().filter(is_of_group).collect();
+    if group.is_empty() { parameter(name).map(|parameter| vec![parameter]) } else { Ok(group) }
+}
+
 /// Requests the board's report of a parameter.
 pub fn report(parameter: &Parameter, client: &mut Client) -> Result<ParameterReport, LinkError> {
     match client.ask(Command::Settings(Verb::Get(parameter.key)))? {
@@ -31,19 +40,27 @@ pub fn report(parameter: &Parameter, client: &mut Client) -> Result<ParameterRep
     }
 }
 
-/// Reads the value of a parameter from text: a number, or one of its names.
+/// Reads the value of a parameter from text: a number, also with a unit, or one of its names.
 pub fn read(parameter: &Parameter, text: &str) -> Result<f32, LinkError> {
-    let number = || match text {
-        "none" => Some(f32::INFINITY),
-        text => text.parse().ok(),
-    };
     let (place, wanted) = match parameter.range {
         Range::Choice(names) => {
             (names.iter().position(|name| *name == text).map(|place| place as f32), listed(names.iter().copied(), "or"))
         }
         _ => (None, "a number, or `none` for a setting that may be absent".to_owned()),
     };
-    place.or_else(number).ok_or_else(|| LinkError::Usage(format!("{} must be {wanted}, not `{text}`", parameter.name)))
+    let plain = || match text {
+        "none" => Some(f32::INFINITY),
+        text => text.parse().ok(),
+    };
+    if let Some(number) = place.or_else(plain) {
+        return Ok(number);
+    }
+    let refused = match unit_of(parameter.name).filter(|_| split(text).is_some()).map(|unit| number_in(text, &unit)) {
+        Some(Ok(number)) => return Ok(number as f32),
+        Some(Err(why)) => format!("{}: {why}", parameter.name),
+        None => format!("{} must be {wanted}, not `{text}`", parameter.name),
+    };
+    Err(LinkError::Usage(refused))
 }
 
 /// Returns a parameter's value as text.
@@ -108,6 +125,10 @@ mod tests {
         assert_eq!(["hard", "boost", "1", "7"].map(|text| read(edge, text).unwrap()), [0.0, 2.0, 1.0, 7.0]);
         assert_eq!(shown(edge, 2.0), "boost");
         assert_eq!(read(edge, "soft ").unwrap_err().to_string(), "burst.edge must be `hard`, `soft` or `boost`, not `soft `");
+        let voltage = parameter("limits.voltage_v").unwrap();
+        assert_eq!(["3.5", "3.5V", "3500 mV"].map(|text| read(voltage, text).unwrap()), [3.5; 3]);
+        let current = read(voltage, "2A").unwrap_err().to_string();
+        assert!(current.starts_with("limits.voltage_v: `A` is not a unit of this quantity"), "{current}");
         let limit = parameter("limits.power_w").unwrap();
         assert_eq!(["none", "1e2"].map(|text| read(limit, text).unwrap()), [f32::INFINITY, 100.0]);
         let refused = read(limit, "much").unwrap_err().to_string();

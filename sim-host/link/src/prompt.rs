@@ -69,7 +69,9 @@ fn following(before: &[&str]) -> Vec<Candidate> {
             subcommands(&grammar).into_iter().chain(others).collect()
         }
         ["help"] => subcommands(&grammar),
-        ["settings", "get" | "set"] => PARAMETERS.iter().map(|parameter| candidate(parameter.name, &unit(parameter))).collect(),
+        ["settings", "get" | "list" | "set"] => {
+            PARAMETERS.iter().map(|parameter| candidate(parameter.name, &unit(parameter))).collect()
+        }
         ["settings", "set", name] => names_of(name),
         words => {
             let deepest = words.iter().try_fold(&grammar, |command, word| match command.find_subcommand(word) {

@@ -22,6 +22,7 @@ use crate::answer::Answer;
 use crate::commands::{Order, seconds};
 use crate::expect::Expect;
 use crate::link_error::LinkError;
+use crate::number_with_unit::belong_together;
 use crate::session::Session;
 use scene::diagnostic::{Place, Problem, Report, Source};
 
@@ -171,7 +172,11 @@ fn line(number: usize, text: &str) -> Result<Option<Line>, Mistake> {
     let Some((first, _)) = words.first() else {
         return if fails { Err((end, "a command is missing after `!`".into(), None)) } else { Ok(None) };
     };
-    let step = if first == "expect" {
+    let is_expectation = first == "expect";
+    if !is_expectation {
+        words = words.into_iter().fold(Vec::new(), join);
+    }
+    let step = if is_expectation {
         let rest: Vec<&str> = words[1..].iter().map(|(word, _)| word.as_str()).collect();
         let expect = Expect::parse(&rest).map_err(|(place, why)| {
             let at = words.get(place + 1).map_or(end, |(_, at)| at.clone());
@@ -233,6 +238,18 @@ fn words(text: &str) -> Result<Vec<(String, Range<usize>)>, Mistake> {
     }
 }
 
+/// Appends a word; a unit joins the number before it.
+fn join(mut words: Vec<(String, Range<usize>)>, (word, at): (String, Range<usize>)) -> Vec<(String, Range<usize>)> {
+    match words.last_mut().filter(|(last, _)| belong_together(last, &word)) {
+        Some((number, place)) => {
+            *number += &word;
+            place.end = at.end;
+        }
+        None => words.push((word, at)),
+    }
+    words
+}
+
 /// Converts an error of clap to a mistake at the word that it refuses.
 fn mistake(error: &clap::Error, words: &[(String, Range<usize>)], text: &str) -> Mistake {
     let context = |kind: ContextKind| match error.get(kind) {
@@ -281,7 +298,7 @@ mod tests {
             "rig.txt:2:1",
             "a similar subcommand exists: 'scan'",
             "rig.txt:3:15",
-            "expected a non-negative number",
+            "expected volts, such as 2, 2V or 500mV",
             "rig.txt:4:12",
             "one of = != < <= > >= is required here",
             "rig.txt:5:1",

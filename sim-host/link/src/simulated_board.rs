@@ -12,7 +12,7 @@ use std::time::Duration;
 
 use firmware::board::start::Start;
 use firmware::seam::block::{DriveBlock, SenseBlock};
-use firmware::seam::config::Config;
+use firmware::seam::config::{Config, FrontEnd};
 use hal_mock::analog::Analog;
 use hal_mock::bench::{Bench, Setup};
 use hal_mock::fault_injector::FaultInjector;
@@ -36,11 +36,41 @@ pub type Rig = Tracer<FaultInjector<Plant>>;
 
 /// Plant that outlives the board: a reset of the board does not stop it.
 #[derive(Clone)]
-struct Shared(Rc<RefCell<Rig>>);
+struct Shared {
+    rig: Rc<RefCell<Rig>>,
+    jumper: Option<Jumper>,
+}
+
+/// Wire from the first lane to the inputs of both sense channels, instead of the plant. Noise and
+/// offset of the channels remain.
+#[derive(Clone, Copy)]
+struct Jumper {
+    sense_max_code: u16,
+    drive_mid_code: u16,
+    /// Sense codes per drive code.
+    ratio: f64,
+}
+
+impl Jumper {
+    fn new(config: &Config) -> Self {
+        let FrontEnd { sense_mid_code, sense_max_code, drive_mid_code, .. } = config.front_end;
+        Jumper { sense_max_code, drive_mid_code, ratio: f64::from(sense_mid_code) / f64::from(drive_mid_code) }
+    }
+
+    fn connect(&self, lane: &[u16], channel: &mut [u16]) {
+        for (code, &drive) in channel.iter_mut().zip(lane) {
+            let moved = self.ratio * (f64::from(drive) - f64::from(self.drive_mid_code));
+            *code = (f64::from(*code) + moved).round().clamp(0.0, self.sense_max_code.into()) as u16;
+        }
+    }
+}
 
 impl Analog for Shared {
     fn exchange(&mut self, drive: &DriveBlock, sense: &mut SenseBlock) {
-        self.0.borrow_mut().exchange(drive, sense);
+        let mut rig = self.rig.borrow_mut();
+        let Some((jumper, lane)) = self.jumper.zip(drive.lanes.first()) else { return rig.exchange(drive, sense) };
+        rig.exchange(&DriveBlock::silent(drive.lanes.len(), lane.len(), jumper.drive_mid_code), sense);
+        [&mut sense.v, &mut sense.i].into_iter().for_each(|channel| jumper.connect(lane, channel));
     }
 }
 
@@ -50,6 +80,7 @@ pub struct SimulatedBoard {
     /// Running board; `None` if it no longer starts.
     bench: Option<Bench<'static, Shared>>,
     rig: Rc<RefCell<Rig>>,
+    jumper: Option<Jumper>,
     to_board: VecDeque<u8>,
     to_host: VecDeque<u8>,
     /// Fraction of a byte that the wire has transferred, in bytes times the sampling rate in Hz.
@@ -67,9 +98,15 @@ impl SimulatedBoard {
     pub fn with_flash(scene: &Driven, keep: usize, flash: Flash) -> Result<Self, firmware::seam::error::Error> {
         let setup = Setup { config: settings::config(scene), to_host: TRANSMIT_BUFFER, flash, ..Setup::default() };
         let rig = Rc::new(RefCell::new(Tracer::new(breakable_plant(scene), keep)));
-        let bench = Some(powered(&setup, &rig)?);
+        let bench = Some(powered(&setup, &rig, None)?);
         let (to_board, to_host) = Default::default();
-        Ok(SimulatedBoard { setup, bench, rig, to_board, to_host, credit: 0, blocks: 0 })
+        Ok(SimulatedBoard { setup, bench, rig, jumper: None, to_board, to_host, credit: 0, blocks: 0 })
+    }
+
+    /// Wires the first lane to both sense channels, instead of the plant, and restarts the board.
+    pub fn wire_jumper(&mut self) {
+        self.jumper = Some(Jumper::new(&self.setup.config));
+        self.power_cycle(|_| ());
     }
 
     /// Returns the configuration of the board's controller.
@@ -150,7 +187,7 @@ impl SimulatedBoard {
         self.setup.start = start;
         self.to_board.clear();
         // The board has started before, and `PowerUp` falls back to the built-in settings.
-        self.bench = powered(&self.setup, &self.rig).ok();
+        self.bench = powered(&self.setup, &self.rig, self.jumper).ok();
     }
 
     /// Passes the plant and the recorded blocks to `look`.
@@ -165,9 +202,13 @@ impl SimulatedBoard {
 }
 
 /// Powers on a board with the flash of this setup.
-fn powered(setup: &Setup, rig: &Rc<RefCell<Rig>>) -> Result<Bench<'static, Shared>, firmware::seam::error::Error> {
+fn powered(
+    setup: &Setup,
+    rig: &Rc<RefCell<Rig>>,
+    jumper: Option<Jumper>,
+) -> Result<Bench<'static, Shared>, firmware::seam::error::Error> {
     // Leaked like the statics of a board, which exist as long as the process.
-    Bench::new(Box::leak(Box::default()), setup, Shared(rig.clone()))
+    Bench::new(Box::leak(Box::default()), setup, Shared { rig: rig.clone(), jumper })
 }
 
 impl InProcess for SimulatedBoard {

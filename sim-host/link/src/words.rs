@@ -92,6 +92,10 @@ pub fn start(start: &Start) -> String {
         Start::TripFailed(failure) => {
             format!("the amplifier stays off, because the over-current trips failed their test: {}", trip_failure(failure))
         }
+        Start::UnsupportedSilicon(revision) => format!(
+            "the amplifier stays off, because the microcontroller has the silicon revision {revision:#06x}, with errata that \
+             the firmware does not handle: use a Nucleo with another one (docs/errata.md)"
+        ),
     }
 }
 

@@ -13,7 +13,7 @@ use std::time::{Duration, Instant};
 
 use command_fds::{CommandFdExt, FdMapping};
 
-use super::machine::{ARGUMENTS, NO_SERIAL, PROGRAM, SERIAL};
+use super::machine::{ARGUMENTS, NO_SERIAL, PROGRAM, SERIAL, machine};
 
 /// Default time limit for an answer of QEMU.
 const ANSWER_LIMIT: Duration = Duration::from_secs(30);
@@ -163,7 +163,13 @@ fn spawn(image: &Path, serial: Serial, reads: OwnedFd, writes: OwnedFd) -> io::R
             command.args(SERIAL)
         }
     };
-    command.args(ARGUMENTS).arg(image).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::piped());
+    command
+        .args(["-M", machine(image)?])
+        .args(ARGUMENTS)
+        .arg(image)
+        .stdin(Stdio::null())
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped());
     command.fd_mappings(files).map_err(io::Error::other)?;
     command.spawn()
 }

@@ -13,6 +13,8 @@ use super::machine::PROGRAM;
 pub const IMAGE_VARIABLE: &str = "SONOGLIDE_PIL_IMAGE";
 
 const TARGET: &str = "thumbv7em-none-eabihf";
+/// Target of the image for a Cortex-M33.
+const CORTEX_M33_TARGET: &str = "thumbv8m.main-none-eabihf";
 /// Package of the emulated images.
 const QEMU_PACKAGE: &str = "sonoglide-qemu-m4";
 const WORKSPACE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
@@ -49,10 +51,14 @@ pub fn missing_to_build() -> Option<String> {
              (--board=ELF, {IMAGE_VARIABLE})"
         ));
     }
-    if has_core_library() {
-        return None;
-    }
-    Some(format!("the core library for {TARGET} is not installed; install it with `rustup target add {TARGET}`"))
+    missing_target(TARGET)
+}
+
+/// Returns the reason why nothing can be built for a target here; `None`: its core library is
+/// installed.
+fn missing_target(target: &str) -> Option<String> {
+    let missing = || format!("the core library for {target} is not installed; install it with `rustup target add {target}`");
+    (!has_core_library(target)).then(missing)
 }
 
 /// Returns the image to run: the one named by [`IMAGE_VARIABLE`], otherwise one built from the
@@ -72,6 +78,21 @@ pub fn image() -> Result<PathBuf, PilError> {
         };
     }
     build(QEMU_PACKAGE, "qemu-m4")
+}
+
+/// Returns the reason why no image for a Cortex-M33 can be built or run here. `None`: nothing is
+/// missing.
+pub fn missing_to_build_cortex_m33() -> Option<String> {
+    missing().or_else(|| missing_target(CORTEX_M33_TARGET))
+}
+
+/// Builds the image for a Cortex-M33, with the same source as [`image`].
+pub fn cortex_m33_image() -> Result<PathBuf, PilError> {
+    if let Some(reason) = missing_to_build_cortex_m33() {
+        return Err(PilError::Missing(reason));
+    }
+    let (folder, _) = cargo("pil", CORTEX_M33_TARGET, &["-p", QEMU_PACKAGE, "--bin", "qemu-m4"])?;
+    Ok(folder.join(CORTEX_M33_TARGET).join("pil/qemu-m4"))
 }
 
 /// Builds the image that counts the instructions of kernels from the present source.
@@ -96,7 +117,8 @@ pub fn test_image() -> Result<PathBuf, PilError> {
         return Err(PilError::Missing(reason));
     }
     // Only cargo knows the name of a test's file.
-    let (_, messages) = cargo("pil", &["-p", "on-target", "--test", "on_target", "--message-format", "json-render-diagnostics"])?;
+    let (_, messages) =
+        cargo("pil", TARGET, &["-p", "on-target", "--test", "on_target", "--message-format", "json-render-diagnostics"])?;
     let artifact = |line: &str| {
         let message: Value = serde_json::from_str(line).ok()?;
         (message["target"]["name"] == "on_target").then(|| message["executable"].as_str().map(PathBuf::from))?
@@ -109,7 +131,7 @@ pub fn board_image() -> Result<PathBuf, PilError> {
     if let Some(reason) = missing_to_build() {
         return Err(PilError::Missing(reason));
     }
-    let (folder, _) = cargo("board", &["-p", "sonoglide-nucleo-g474re"])?;
+    let (folder, _) = cargo("board", TARGET, &["-p", "sonoglide-nucleo-g474re"])?;
     Ok(folder.join(TARGET).join("board/nucleo-g474re"))
 }
 
@@ -121,7 +143,7 @@ pub fn field_images() -> Result<[PathBuf; 2], PilError> {
     }
     // The first stage has a separate profile: it must be small, and the image fast.
     let build = |image: &str, profile: &str| -> Result<PathBuf, PilError> {
-        let (folder, _) = cargo(profile, &["-p", "sonoglide-nucleo-g474re", "--features", "slot", "--bin", image])?;
+        let (folder, _) = cargo(profile, TARGET, &["-p", "sonoglide-nucleo-g474re", "--features", "slot", "--bin", image])?;
         Ok(folder.join(TARGET).join(profile).join(image))
     };
     Ok([build("first-stage", "first-stage")?, build("nucleo-g474re", "field")?])
@@ -129,16 +151,16 @@ pub fn field_images() -> Result<[PathBuf; 2], PilError> {
 
 /// Builds one image of a package.
 fn build(package: &str, image: &str) -> Result<PathBuf, PilError> {
-    let (folder, _) = cargo("pil", &["-p", package, "--bin", image])?;
+    let (folder, _) = cargo("pil", TARGET, &["-p", package, "--bin", image])?;
     Ok(folder.join(TARGET).join("pil").join(image))
 }
 
-/// Builds something for the target in a profile. Returns the target directory, and the output of
+/// Builds something for a target in a profile. Returns the target directory, and the output of
 /// cargo.
-fn cargo(profile: &str, what: &[&str]) -> Result<(PathBuf, String), PilError> {
+fn cargo(profile: &str, target: &str, what: &[&str]) -> Result<(PathBuf, String), PilError> {
     let folder = env::var_os("CARGO_TARGET_DIR").map_or_else(|| Path::new(WORKSPACE).join("target"), PathBuf::from).join("pil");
     let built = run("CARGO", "cargo", |cargo| {
-        cargo.args(["build", "--quiet", "--profile", profile, "--target", TARGET, "--target-dir"]).arg(&folder).args(what)
+        cargo.args(["build", "--quiet", "--profile", profile, "--target", target, "--target-dir"]).arg(&folder).args(what)
     });
     match built {
         Ok(output) if output.status.success() => Ok((folder, String::from_utf8_lossy(&output.stdout).into_owned())),
@@ -147,9 +169,9 @@ fn cargo(profile: &str, what: &[&str]) -> Result<(PathBuf, String), PilError> {
     }
 }
 
-/// Returns `true` if the compiler of this workspace can build for the target.
-fn has_core_library() -> bool {
-    let asked = run("RUSTC", "rustc", |rustc| rustc.args(["--print", "target-libdir", "--target", TARGET]));
+/// Returns `true` if the compiler of this workspace can build for a target.
+fn has_core_library(target: &str) -> bool {
+    let asked = run("RUSTC", "rustc", |rustc| rustc.args(["--print", "target-libdir", "--target", target]));
     let Some(folder) = asked.ok().filter(|output| output.status.success()) else { return false };
     let folder = String::from_utf8_lossy(&folder.stdout).trim().to_owned();
     let names = std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.file_name());

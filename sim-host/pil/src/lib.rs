@@ -44,7 +44,8 @@ mod qemu;
 pub mod size;
 
 pub use image::{
-    IMAGE_VARIABLE, board_image, counting_image, field_images, image, link_image, missing, missing_to_build, test_image,
+    IMAGE_VARIABLE, board_image, cortex_m33_image, counting_image, field_images, image, link_image, missing, missing_to_build,
+    missing_to_build_cortex_m33, test_image,
 };
 pub use qemu::Qemu;
 

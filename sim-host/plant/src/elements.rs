@@ -150,6 +150,7 @@ fn breakage(fault: &Fault) -> Option<Breakage> {
         FaultKind::Open
         | FaultKind::Swapped
         | FaultKind::SensorStuck
+        | FaultKind::CurrentLate
         | FaultKind::Saturation
         | FaultKind::Dropout
         | FaultKind::LateBlock

@@ -101,6 +101,7 @@ fn kind(kind: scene::FaultKind) -> Option<FaultKind> {
         scene::FaultKind::Open => Some(FaultKind::Open),
         scene::FaultKind::Swapped => Some(FaultKind::Swapped),
         scene::FaultKind::SensorStuck => Some(FaultKind::SensorStuck),
+        scene::FaultKind::CurrentLate => Some(FaultKind::CurrentLate),
         scene::FaultKind::Saturation => Some(FaultKind::Saturation),
         scene::FaultKind::Dropout => Some(FaultKind::Dropout),
         scene::FaultKind::LateBlock => Some(FaultKind::LateBlock),

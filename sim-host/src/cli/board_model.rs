@@ -22,11 +22,6 @@ use update::key::DEVELOPMENT_SEED;
 use super::link::{LinkArgs, STOP, listen, with_board};
 use super::{Color, Exit, mistake, note};
 
-/// Returns the settings that a scene takes on the board if it does not give them.
-pub(super) fn defaults() -> Vec<String> {
-    configure::defaults().to_vec()
-}
-
 /// Flashed image that is the processor of a run.
 pub(super) struct Flashed {
     elf: Vec<u8>,
@@ -67,25 +62,37 @@ fn started(args: &LinkArgs, scene: &Driven) -> Result<Board, LinkError> {
     }
     let image = match &args.image {
         Some(file) => file.clone(),
-        None => board_image().map_err(|error| lost(args, &error))?,
+        None => {
+            note("building the image from the current source (cargo fw); this takes up to minutes, unless it is up to date");
+            board_image().map_err(|error| lost(args, &error))?
+        }
     };
-    Board::start(&read(&image, MAX_DATA_BYTES)?, scene, options(args.board_speed))
-        .map_err(|error| LinkError::Input(error.to_string()))
+    Board::start(&read(&image, MAX_DATA_BYTES)?, scene, linked(args)).map_err(|error| LinkError::Input(error.to_string()))
 }
 
 /// Starts the first stage with the image in its slot, signed by the development key.
 fn in_slot(args: &LinkArgs, scene: &Driven) -> Result<Board, LinkError> {
     let refused = |error: &dyn std::fmt::Display| LinkError::Input(error.to_string());
+    note("building the first stage (cargo first-stage) and the image for its slot (cargo field), unless they are up to date");
     let [first_stage, image] = pil::field_images().map_err(|error| lost(args, &error))?;
     let elf = read(args.image.as_ref().unwrap_or(&image), MAX_DATA_BYTES)?;
     let slot = pack(&elf, Some(&DEVELOPMENT_SEED)).map_err(|error| refused(&error))?;
-    Board::start_in_slot(&read(&first_stage, MAX_DATA_BYTES)?, &slot, &elf, scene, options(args.board_speed))
-        .map_err(|error| refused(&error))
+    note(&format!(
+        "starting the first stage with an update of {} bytes, signed by the development key: it checks digest and signature \
+         first, which takes a minute or more of this machine; --board-speed 8 shortens it",
+        slot.len()
+    ));
+    Board::start_in_slot(&read(&first_stage, MAX_DATA_BYTES)?, &slot, &elf, scene, linked(args)).map_err(|error| refused(&error))
 }
 
 /// Returns the error for an image that cannot be built here.
 fn lost(args: &LinkArgs, error: &PilError) -> LinkError {
     LinkError::Open { port: args.port.clone(), why: error.to_string() }
+}
+
+/// Returns the options of a board that a client is connected to.
+fn linked(args: &LinkArgs) -> board::Options {
+    board::Options { jumper: args.jumper, ..options(args.board_speed) }
 }
 
 fn options(speed: Option<f64>) -> board::Options {

@@ -17,8 +17,9 @@ use serde_json::Value;
 use super::run::times;
 use super::{Color, Exit, Format, board_model, interrupts, note, provenance};
 use link::answer::{Answer, failure};
+use link::as_on_board;
 use link::client::Client;
-use link::commands::{Order, amount, monitor, seconds, update};
+use link::commands::{Order, monitor, seconds, timeout, update};
 use link::flash_file::FlashFile;
 use link::link_error::LinkError;
 use link::port::{InProcess, Port, Serial, Simulated, Tcp};
@@ -49,9 +50,11 @@ const FILE: &str = "file:";
 pub(super) struct LinkArgs {
     /// Board: a serial device (/dev/ttyACM0, COM3), `tcp:HOST:PORT`, `sim:SCENE` or `board:SCENE`.
     ///
-    /// `sim:SCENE` is a simulated board in this process. `board:SCENE` runs the flashed image on a
-    /// model of its microcontroller. `file:OUT` makes `update` write an update file from an ELF
-    /// file.
+    /// `sim:SCENE` is a simulated board in this process. It has the block length of the Nucleo,
+    /// unless the scene or --set gives one, and the lower of both limits, unless --set gives one.
+    /// `board:SCENE` runs the flashed image on a model of its microcontroller. `file:OUT` makes
+    /// `update` write an update file from an ELF file; `file:OUT.bin` makes it write the bytes of
+    /// the flash, for a programmer that takes no ELF file.
     pub(super) port: String,
     /// Command. Without one, commands are read from a prompt, or line by line from standard input.
     #[command(subcommand)]
@@ -75,6 +78,10 @@ pub(super) struct LinkArgs {
     /// updated.
     #[arg(long, global = true, hide_short_help = true)]
     pub(super) slot: bool,
+    /// Simulated board: a bare Nucleo, with a wire from PA4 to PA0, PA1 and PA7 instead of the
+    /// front end and its load, for `selftest`.
+    #[arg(long, global = true, hide_short_help = true)]
+    pub(super) jumper: bool,
     /// board:SCENE: listen for GDB at HOST:PORT; port 0 takes a free one. The address is printed on
     /// standard error.
     #[arg(long, value_name = "ADDRESS", global = true, hide_short_help = true)]
@@ -91,7 +98,7 @@ pub(super) struct LinkArgs {
     format: Format,
     /// Host timeout, s: the board stops its drive (fault 12) after this time without a message from
     /// this program. Default: the board's setting.
-    #[arg(long, alias = "patience", value_name = "S", value_parser = amount, global = true, conflicts_with = "stay")]
+    #[arg(long, alias = "patience", value_name = "S", value_parser = timeout, global = true, conflicts_with = "stay")]
     host_timeout: Option<f32>,
     /// Keep the drive on when this program ends, without a host timeout.
     #[arg(long, global = true)]
@@ -147,23 +154,25 @@ pub(super) fn run(args: &LinkArgs, color: Color) -> anyhow::Result<Exit> {
     }
     if let Some(out) = args.port.strip_prefix(FILE) {
         let Some(LinkOrder::Order(order @ Order::Update(update))) = &args.order else {
-            let usage = "`file:OUT` is not a board: it takes only `update ELF`, which writes the update file";
+            let usage = "`file:OUT` is not a board: it takes only `update ELF`, which writes the update file, or the flash to `file:OUT.bin`";
             return Err(LinkError::Usage(usage.into()).into());
         };
         let made = update::make(update, Path::new(out));
         return to_exit(print_answer("", order.name(), &made, args.format).and(made.map(drop)));
     }
     let Some(scene) = modelled.or(args.port.strip_prefix(SIMULATED)) else {
-        if !args.sets.is_empty() || args.seed.is_some() || args.real_time {
-            let usage = "--set, --seed and --real-time need sim:SCENE or board:SCENE";
+        if !args.sets.is_empty() || args.seed.is_some() || args.real_time || args.jumper {
+            let usage = "--set, --seed, --jumper and --real-time need sim:SCENE or board:SCENE";
             return Err(LinkError::Usage(usage.into()).into());
         }
         return to_exit(open(&args.port).and_then(|port| with_port(args, port, color)));
     };
     let mut sets = args.sets.clone();
     sets.extend(args.seed.map(|seed| format!("seed={seed}")));
-    let defaults = if modelled.is_some() { board_model::defaults() } else { Vec::new() };
-    let loaded = load(scene, &sets)?.with_defaults(&defaults)?;
+    let (loaded, lowered) = as_on_board::adapted(load(scene, &sets)?)?;
+    if modelled.is_some() {
+        as_on_board::in_words(&lowered).into_iter().for_each(|said| note(&said));
+    }
     let none = || LinkError::Input(format!("`{}` has no [controller], which a board needs", loaded.name));
     let driven = loaded.scene.driven().ok_or_else(none)?;
     let args = &LinkArgs { inputs: loaded.files(), ..args.clone() };
@@ -184,7 +193,10 @@ fn simulated(args: &LinkArgs, scene: &Driven, color: Color) -> Result<(), LinkEr
         Some(flash) => SimulatedBoard::with_flash(scene, 0, flash),
         None => SimulatedBoard::new(scene, 0),
     };
-    let board = board.map_err(|why| LinkError::Input(format!("the firmware refuses this scene: {why}")))?;
+    let mut board = board.map_err(|why| LinkError::Input(format!("the firmware refuses this scene: {why}")))?;
+    if args.jumper {
+        board.wire_jumper();
+    }
     let board = Rc::new(RefCell::new(board));
     let done = with_board(args, board, color);
     match file.map_or(Ok(()), |file| file.check()) {

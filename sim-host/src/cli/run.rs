@@ -6,9 +6,10 @@ use std::sync::atomic::AtomicBool;
 use anyhow::Context;
 use clap::Args;
 
-use super::board_model::{self, Flashed};
+use super::board_model::Flashed;
 use super::progress::Progress;
 use super::{Color, DrawingArgs, Exit, Format, ReportArgs, SceneArgs, interrupts, junit, mistake, visible};
+use link::as_on_board;
 use pil::Qemu;
 use scene::Driven;
 use scene::load::{LoadError, Loaded, load};
@@ -113,8 +114,12 @@ pub(super) fn run(args: &RunArgs, color: Color) -> anyhow::Result<Exit> {
     let mut sets = args.scene.sets.clone();
     sets.extend(args.seed.map(|seed| format!("seed={seed}")));
     sets.extend(args.samples.map(|runs| format!("runs={runs}")));
-    let defaults = if args.board.is_some() { board_model::defaults() } else { Vec::new() };
-    let loaded = load(&args.scene.scene, &sets)?.with_defaults(&defaults)?;
+    let mut loaded = load(&args.scene.scene, &sets)?;
+    if args.board.is_some() {
+        let (adapted, lowered) = as_on_board::adapted(loaded)?;
+        loaded = adapted;
+        as_on_board::in_words(&lowered).into_iter().for_each(|said| say!("{said}"));
+    }
     match args.run {
         None => run_loaded(args, &loaded, color),
         Some(number) if loaded.scene.runs == 1 || !(1..=loaded.scene.runs).contains(&number) => {

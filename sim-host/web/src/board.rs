@@ -152,7 +152,7 @@ fn run(text: &str, armed: bool, session: &mut Session) -> Result<(), LinkError> 
         if !armed && !order.only_reads() {
             return Err(LinkError::Usage(format!("`{}` acts on the board: arm this connection first", order.name())));
         }
-        if matches!(order, Order::Settings(SettingsOrder::Set { name, .. }) if name == HOST_TIMEOUT) {
+        if matches!(order, Order::Settings(args) if matches!(args.order(), SettingsOrder::Set { name, .. } if name == HOST_TIMEOUT)) {
             let why = format!("`{HOST_TIMEOUT}` is not changed by a page, because it stops the drive if the page fails");
             return Err(LinkError::Usage(why));
         }

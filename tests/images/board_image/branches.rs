@@ -64,6 +64,12 @@ fn data(file: &object::File) -> BTreeMap<u32, bool> {
     marks.collect()
 }
 
+/// Returns the halfwords of the function with this name.
+pub fn code(file: &object::File, name: &str) -> Vec<u16> {
+    let symbol = file.symbols().find(|symbol| symbol.name() == Ok(name)).expect("the function");
+    halves(file, symbol.address() as u32 & !1, symbol.size() as u32)
+}
+
 /// Returns the halfwords of a function.
 fn halves(file: &object::File, address: u32, size: u32) -> Vec<u16> {
     let holds = |section: &object::Section| (section.address()..section.address() + section.size()).contains(&u64::from(address));

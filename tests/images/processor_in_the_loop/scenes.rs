@@ -63,6 +63,16 @@ fn ends(runs: &MonteCarlo) -> Vec<u8> {
 const HEADER: &str =
     "| scene | blocks | hash, host and QEMU | instructions, mean | worst block | stack [bytes] |\n|---|---|---|---|---|---|\n";
 
+/// The target without the DSP instructions of a Cortex-M4, and with another memory map.
+#[test]
+fn a_cortex_m33_plays_every_scene_alike() {
+    if !super::is_possible("the controller on a Cortex-M33", pil::missing_to_build_cortex_m33()) {
+        return;
+    }
+    let image = pil::cortex_m33_image().expect("the image builds");
+    assert_eq!(compare(&image).0, with_a_controller());
+}
+
 /// Compares the scenes. Returns their number and a table.
 fn compare(image: &Path) -> (usize, String) {
     let (mut compared, mut table) = (0, HEADER.to_owned());

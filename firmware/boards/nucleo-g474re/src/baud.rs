@@ -8,6 +8,8 @@
 const MAX_DIVIDER: u32 = 0xf_ffff;
 /// Smallest divider that the manual permits.
 const MIN_DIVIDER: u32 = 0x300;
+/// Dividers above the smallest one with which the transmission may fail (ES0430 2.17.1).
+const MAX_FAULTY_DIVIDER: u32 = 0x3ff;
 
 /// Returns the divider, rounded to the nearest integer. Returns `None` if this clock cannot produce
 /// this baud rate (both in Hz).
@@ -17,5 +19,6 @@ pub const fn divider(clock_hz: u32, baud: u32) -> Option<u32> {
     }
     // 256 times the largest clock takes 40 bits.
     let divider = (256 * clock_hz as u64 + baud as u64 / 2) / baud as u64;
-    if divider < MIN_DIVIDER as u64 || divider > MAX_DIVIDER as u64 { None } else { Some(divider as u32) }
+    let is_faulty = divider > MIN_DIVIDER as u64 && divider <= MAX_FAULTY_DIVIDER as u64;
+    if divider < MIN_DIVIDER as u64 || divider > MAX_DIVIDER as u64 || is_faulty { None } else { Some(divider as u32) }
 }

@@ -5,6 +5,9 @@
 //! hardware error ends in [`panic::end`]: the enable drops, the cause is stored, and the processor
 //! resets.
 
+#[path = "first_access.rs"]
+mod first_access;
+
 mod adc;
 mod alarm;
 mod amplifier_supply;
@@ -28,6 +31,7 @@ mod options;
 mod panic;
 mod pins;
 mod protection;
+mod silicon;
 mod supply;
 mod temperature;
 mod timers;
@@ -43,6 +47,7 @@ use cortex_m_rt::entry;
 // Transport of the log.
 use defmt_rtt as _;
 use firmware::board::app::{self, App};
+use firmware::board::hardware::{Clock, HardwareReport};
 use firmware::board::power_up::PowerUp;
 use firmware::board::queues::{BackgroundEnds, BlockEnds, Loans, Queues};
 use firmware::board::settings::Settings;
@@ -50,7 +55,9 @@ use firmware::board::start::Start;
 use firmware::seam::fault::Fault;
 use firmware::seam::mode::Mode;
 use firmware::seam::telemetry::Telemetry;
+use nucleo_g474re::blocks::CYCLES_PER_BLOCK;
 use nucleo_g474re::config::{CODES, REFERENCE_V, config};
+use nucleo_g474re::errata;
 use nucleo_g474re::trips::thresholds;
 use stm32_metapac::{Interrupt, RCC};
 
@@ -91,7 +98,7 @@ fn main() -> ! {
 
     supply::watch();
     led::start();
-    let (app, mut thermometer, mut amplifier_supply) = build(QUEUES.split(LOANS), start);
+    let (app, mut thermometer, mut amplifier_supply) = build(QUEUES.split(LOANS), start, clock.into());
     start_blocks(&mut core.NVIC);
     let mut log = Log::default();
     loop {
@@ -100,6 +107,7 @@ fn main() -> ! {
         thermometer.poll();
         amplifier_supply.poll();
         log.update(app.latest());
+        app.set_worst_cycles(block::worst_cycles());
         led::show(app.latest());
     }
 }
@@ -115,6 +123,7 @@ type Background = App<'static, Link, Enable, Stop, IndependentWatchdog, Pages>;
 fn build(
     (hot_ends, slow_ends): (BlockEnds<'static>, BackgroundEnds<'static>),
     start: Start,
+    clock: Clock,
 ) -> (&'static mut Background, Thermometer, AmplifierSupply) {
     let link = Link::start();
     let Ok(mut settings) = Settings::new(Pages::SETTINGS) else { panic!("the settings do not fit into their pages") };
@@ -123,9 +132,15 @@ fn build(
     // Cannot fail: the built-in configuration is tested on the host.
     let Ok(task) = power_up.build(&built_in, hot_ends) else { panic!("the configuration is not valid") };
     let config = &power_up.config;
+    // Silence first: on a bench without a front end, the lane itself holds the current inputs at
+    // mid-scale while the trips are tested.
+    let lanes = Lanes::start(config.lanes);
     // The thresholds come from the DAC that does not play.
-    let (enable, stop, failure) =
-        protection::start(config.lanes, thresholds(config.limits.current_a, config.front_end.ampere_per_lsb), adc::levels());
+    let (device, revision) = silicon::identity();
+    let is_supported = !errata::is_refused(revision);
+    let thresholds = thresholds(config.limits.current_a, config.front_end.ampere_per_lsb);
+    let (enable, stop, failure) = protection::start(config.lanes, thresholds, adc::levels(), is_supported);
+    let start = if is_supported { start } else { Start::UnsupportedSilicon(revision) };
     let start = failure.map_or(start, |failure| {
         defmt::error!("the over-current trips failed their test, the amplifier stays off: {=u8}", failure as u8);
         Start::TripFailed(failure)
@@ -134,7 +149,7 @@ fn build(
     let amplifier_supply = AmplifierSupply::start(SupplyWindow::from_settings(&config.supply, REFERENCE_V, CODES));
     let force = config.front_end.newton_per_lsb.map(ForceChannel::start);
     let encoder = config.front_end.metre_per_count.map(|_| Encoder::start());
-    let interrupt = singleton!(: BlockInterrupt = BlockInterrupt::new(task, Lanes::start(config.lanes), encoder, force));
+    let interrupt = singleton!(: BlockInterrupt = BlockInterrupt::new(task, lanes, encoder, force));
     let Some(interrupt) = interrupt else { panic!("started twice") };
     block::hand_over(interrupt);
     adc::start();
@@ -143,7 +158,16 @@ fn build(
     let background = singleton!(: Background = App::new(peripherals, slow_ends, &power_up));
     let Some(background) = background else { panic!("started twice") };
     background.set_built_in(&nucleo_g474re::config::config);
-    background.set_option_bytes(options::check());
+    background.set_hardware(HardwareReport {
+        device,
+        revision,
+        option_bytes: options::check(),
+        clock,
+        core_hz: clocks::SYSTEM_HZ,
+        block_cycles: CYCLES_PER_BLOCK,
+        worst_cycles: 0,
+        muted: false,
+    });
     #[cfg(feature = "slot")]
     background.set_updates(field::start());
     (background, thermometer, amplifier_supply)

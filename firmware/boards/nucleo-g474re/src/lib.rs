@@ -8,6 +8,7 @@ pub mod baud;
 pub mod blocks;
 pub mod config;
 pub mod degrees;
+pub mod errata;
 pub mod options;
 pub mod pages;
 pub mod sampling;

@@ -1,6 +1,8 @@
 //! Hardware part of the first stage.
 #![expect(unsafe_code, reason = "starting another image and exception handlers are unsafe")]
 
+#[path = "first_access.rs"]
+mod first_access;
 #[expect(dead_code, reason = "only the image uses the settings")]
 #[path = "image/flash.rs"]
 mod flash;

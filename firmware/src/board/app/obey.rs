@@ -73,6 +73,13 @@ where
             }
             Command::Status => Reply::Status(self.seen),
             Command::Update(verb) => self.update(&verb),
+            Command::Hardware => Reply::Hardware(self.hardware),
+            // Else the amplifier would wake in the middle of a drive.
+            Command::Mute(false) if !self.is_silent() => Reply::Nak(Refusal::Driving),
+            Command::Mute(muted) => {
+                self.hardware.muted = muted;
+                Reply::Ack
+            }
             Command::Faults(later) => Reply::Faults(self.faults.report(later, self.peripherals.start)),
             Command::Reset if !self.is_silent() => Reply::Nak(Refusal::Driving),
             Command::Reset => {

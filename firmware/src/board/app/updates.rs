@@ -25,7 +25,7 @@ where
     /// Obeys an operation on the update.
     pub(super) fn update(&mut self, verb: &UpdateVerb) -> Reply {
         let silent = self.is_silent();
-        let option_bytes = self.option_bytes;
+        let option_bytes = self.hardware.option_bytes;
         let done = match (&mut self.updates, verb) {
             (None, UpdateVerb::Report) => Ok(UpdateReport::default()),
             (None, _) => Err(Refusal::NotConfigured),

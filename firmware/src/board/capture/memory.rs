@@ -1,7 +1,8 @@
 //! The memory of a capture: three rings of codes, and the blocks that have not played yet.
 //!
-//! Blocks of [`PART`] samples, the usual size, are copied whole, with a length and an alignment
-//! known at compile time. Other blocks are copied sample by sample, which takes many times as long.
+//! Blocks of [`PART`] samples are copied whole, with a length and an alignment known at compile
+//! time. Other blocks are copied in one or two runs. Sample by sample would take longer than the
+//! block interrupt of a board has left while the drive starts.
 
 use super::{PART, Part, SAMPLES};
 use crate::seam::block::{LATENCY_BLOCKS, MAX_BLOCK_SAMPLES, dropped_from};
@@ -33,7 +34,7 @@ impl Memory {
         if let (Ok(codes), Some(coming)) = (<&[u16; PART]>::try_from(codes), coming.first_chunk_mut::<PART>()) {
             coming.copy_from_slice(codes);
         } else {
-            coming.iter_mut().zip(codes).for_each(|(to, from)| *to = *from);
+            copy(coming, codes);
         }
     }
 
@@ -57,7 +58,7 @@ impl Memory {
         true
     }
 
-    /// Copies a block of any size, sample by sample.
+    /// Copies a block of any size.
     #[inline(never)]
     pub(super) fn take(&mut self, at: usize, v: &[u16], i: &[u16], coming: usize) {
         write(&mut self.v, at, v);
@@ -91,5 +92,13 @@ fn put(ring: &mut Ring, at: usize, codes: &[u16; PART]) {
 /// Writes codes into a ring from an index on.
 fn write(ring: &mut Ring, at: usize, codes: &[u16]) {
     let (before, after) = ring.split_at_mut(at.min(SAMPLES));
-    after.iter_mut().chain(before).zip(codes).for_each(|(to, from)| *to = *from);
+    let (head, rest) = codes.split_at(after.len().min(codes.len()));
+    copy(after, head);
+    copy(before, rest);
+}
+
+/// Copies codes to the beginning of others, as many as both have.
+fn copy(to: &mut [u16], from: &[u16]) {
+    let length = to.len().min(from.len());
+    to[..length].copy_from_slice(&from[..length]);
 }

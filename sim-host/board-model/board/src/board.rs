@@ -62,6 +62,8 @@ pub struct Options {
     pub record: bool,
     /// `true` to count the cycles of each function in the block interrupt.
     pub profile: bool,
+    /// `true` for a bare Nucleo: a wire from PA4 to PA0, PA1 and PA7 instead of the plant.
+    pub jumper: bool,
 }
 
 /// Board that runs an image. A clone continues from the same state.
@@ -121,7 +123,8 @@ impl Board {
         }
         let samples = usize::from(stored.config.block_samples);
         check(scene)?;
-        let bench = Bench::new(scene, stored.config.lanes, samples, options.record);
+        let mut bench = Bench::new(scene, stored.config.lanes, samples, options.record);
+        bench.jumper = options.jumper;
         let chip = Stm32g474::new(stm32g474::Config::default(), bench);
         let mut machine = Machine::new(boots, memory, chip, PRIORITY_BITS)?;
         machine.watch(Some(BLOCK_INTERRUPT));
@@ -323,8 +326,8 @@ impl BlockVariables {
 /// sensors are supported.
 fn check(scene: &Driven) -> Result<(), BoardError> {
     let of_converters = |kind: FaultKind| {
-        use FaultKind::{Dropout, LateBlock, Open, Saturation, SensorStuck, Swapped};
-        matches!(kind, Dropout | LateBlock | Open | Saturation | SensorStuck | Swapped)
+        use FaultKind::{CurrentLate, Dropout, LateBlock, Open, Saturation, SensorStuck, Swapped};
+        matches!(kind, CurrentLate | Dropout | LateBlock | Open | Saturation | SensorStuck | Swapped)
     };
     if scene.fault.iter().any(|fault| of_converters(fault.kind)) {
         return Err(BoardError::Plant("it has faults of converters, which the board model does not support"));

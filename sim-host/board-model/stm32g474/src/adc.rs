@@ -56,6 +56,8 @@ pub(crate) struct Adc {
     pub waits: bool,
     /// Code of every conversion, if the ADC is stuck.
     pub stuck: Option<u16>,
+    /// Previous result, if each one is stored a sample late.
+    pub late: Option<u32>,
 }
 
 impl Default for Adc {
@@ -76,6 +78,7 @@ impl Default for Adc {
             data: 0,
             waits: false,
             stuck: None,
+            late: None,
         }
     }
 }
@@ -83,7 +86,7 @@ impl Default for Adc {
 impl Adc {
     /// Resets the state; a defect stays.
     pub fn reset(&mut self) {
-        *self = Adc { stuck: self.stuck, ..Adc::default() };
+        *self = Adc { stuck: self.stuck, late: self.late, ..Adc::default() };
     }
 
     /// Stops the current conversion and sequence.
@@ -208,7 +211,10 @@ impl<W: Wires> Stm32g474<W> {
         let last = self.adcs[index].rank == usize::from(Sqr1(self.regs[base + reg::SQR1]).l());
         for member in [Some(index), partner].into_iter().flatten() {
             let adc = &mut self.adcs[member];
-            let value = adc.sum >> shift & 0xffff;
+            let mut value = adc.sum >> shift & 0xffff;
+            if let Some(late) = &mut adc.late {
+                std::mem::swap(late, &mut value);
+            }
             (adc.sum, adc.count) = (0, 0);
             self.result(at, member, value, last)?;
         }
@@ -239,7 +245,8 @@ impl<W: Wires> Stm32g474<W> {
         if !unread || overwrites {
             self.adcs[index].data = value;
         }
-        if unread && !overwrites {
+        // Even if the newer value replaces the older one: a sample is lost.
+        if unread {
             return self.report(self.now(at), base + reg::ISR, 1 << 4, isr.0, Rule::AdcOverrun);
         }
         Ok(())

@@ -224,6 +224,14 @@ impl<W: Wires> Stm32g474<W> {
             }
             self.prepare_adc(now, member)?;
         }
+        let pair = self.partner(index).filter(|_| self.adc_ccr(index).mdma().to_bits() != 0);
+        let keeps_fifo = |index: usize| Cfgr(self.regs[BASES[index] + reg::CFGR]).ovrmod().to_bits() == 0;
+        if let Some(slave) = pair
+            && let Some(member) = [index, slave].into_iter().find(|&member| keeps_fifo(member))
+        {
+            let cfgr = self.regs[BASES[member] + reg::CFGR];
+            self.report(now, BASES[member] + reg::CFGR, 1 << 12, cfgr, Rule::AdcDualFifo)?;
+        }
         self.regs[address] |= 1 << 2;
         if Cfgr(self.regs[BASES[index] + reg::CFGR]).exten().to_bits() == 0 {
             self.start_adc(now, index)

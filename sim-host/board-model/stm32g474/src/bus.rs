@@ -46,6 +46,7 @@ impl<W: Wires> Stm32g474<W> {
             base::DAC1 | base::DAC2 | base::DAC3 | base::DAC4 => Ok(self.read_dac(address)),
             base::IWDG if address == base::IWDG + map::at::iwdg::SR => Ok(self.iwdg_status(now.at)),
             base::IWDG => Ok(self.regs[address]),
+            base::DBGMCU if address == base::DBGMCU + map::at::dbgmcu::IDCODE => Ok(factory::idcode(&self.config)),
             base::LPUART1 => Ok(self.read_uart(now, address, ports)),
             base::COMP1
             | base::COMP2

@@ -26,6 +26,11 @@ pub enum Defect {
         /// Code of 12 bits.
         code: u16,
     },
+    /// Each result of ADC `adc` (1 to 5) is stored a sample late (ES0430 2.7.6).
+    AdcLate {
+        /// Number of the ADC.
+        adc: u8,
+    },
     /// Timer `timer` (2 to 5) stops: its triggers are lost.
     TimerHalts {
         /// Number of the timer.
@@ -137,6 +142,7 @@ impl<W: Wires> Stm32g474<W> {
             let (_, defect) = self.defects.remove(0);
             match defect {
                 Defect::AdcStuck { adc, code } => self.adcs[usize::from(adc - 1)].stuck = Some(code),
+                Defect::AdcLate { adc } => self.adcs[usize::from(adc - 1)].late = Some(0),
                 Defect::TriggersLost { timer, triggers } => self.timers[usize::from(timer - 2)].lost = triggers,
                 Defect::DmaMisses { dma, channel, requests } => self.dma.miss(usize::from((dma - 1) * 8 + channel - 1), requests),
                 Defect::DmaFails { dma, channel } => self.dma.fail_next(usize::from((dma - 1) * 8 + channel - 1)),

@@ -28,6 +28,14 @@ pub fn read(address: u32, config: &Config) -> Option<u32> {
     }
 }
 
+/// Device of this microcontroller, DBGMCU_IDCODE.DEV_ID (RM0440 47.6.1).
+const DEVICE: u32 = 0x469;
+
+/// Returns DBGMCU_IDCODE: the silicon revision above the device.
+pub fn idcode(config: &Config) -> u32 {
+    u32::from(config.revision) << 16 | DEVICE
+}
+
 /// Returns the voltage of the temperature sensor, V.
 pub fn sensor_volts(celsius: f64) -> f64 {
     let codes = f64::from(TS_CAL1) + (celsius - 30.0) / 100.0 * f64::from(TS_CAL2 - TS_CAL1);

@@ -74,6 +74,9 @@ rules! {
     AdcTriggerMargin, "DS12288 ADC characteristics", "a trigger came within a quarter of an ADC cycle of the end of a conversion";
     /// End of a conversion before the previous one was read.
     AdcOverrun, "RM0440 21.4.26", "a conversion was not read in time";
+    /// Start of a pair whose values one DMA channel reads together, with the FIFO of ADC_DR on
+    /// (OVRMOD = 0).
+    AdcDualFifo, "ES0430 2.7.6", "OVRMOD must be 1 in both ADCs of a pair that one DMA channel reads";
     /// Write to the mode of a DAC while it is on.
     DacEnabled, "RM0440 22.7.17", "the DAC is on";
     /// DAC_MCR.HFSEL too low for the bus clock.

@@ -32,6 +32,8 @@ pub struct Config {
     pub vdda: f64,
     /// Unique device identifier.
     pub id: [u32; 3],
+    /// Silicon revision, DBGMCU_IDCODE.REV_ID: 0x2003 is revision X.
+    pub revision: u16,
 }
 
 impl Default for Config {
@@ -42,6 +44,7 @@ impl Default for Config {
             lsi_hz: 32_000,
             vdda: 3.3,
             id: [0x0020_0034, 0x5243_500a, 0x2036_3231],
+            revision: 0x2003,
         }
     }
 }
@@ -60,7 +63,8 @@ pub struct Stm32g474<W> {
     pub wires: W,
     /// Treatment of findings, and the collected ones.
     pub lint: Lint,
-    pub(crate) config: Config,
+    /// Properties of this part.
+    pub config: Config,
     pub(crate) regs: Registers,
     pub(crate) time: TimeBase,
     pub(crate) agenda: Agenda,

@@ -180,6 +180,7 @@ fn cause(start: &Start) -> &'static str {
         Start::StackOverflow(_) => "a stack overflow",
         Start::SupplyLow => "a low supply",
         Start::RamParity => "the parity of the RAM",
+        Start::UnsupportedSilicon(_) => "the silicon revision",
         Start::TripFailed(_) => "a failed test of the trips",
     }
 }

@@ -5,7 +5,7 @@ use std::process::Command;
 use serde::Deserialize;
 
 use crate::evidence::Error;
-use pil::machine::{ARGUMENTS, NO_SERIAL, PROGRAM};
+use pil::machine::{ARGUMENTS, NO_SERIAL, PROGRAM, machine};
 use pil::{PilError, counting_image};
 
 /// Number of instructions in one tick of the system timer: 168 MHz, and a nanosecond per
@@ -42,7 +42,13 @@ impl Counted {
 /// Builds the image, runs it, and reads its output.
 pub fn count() -> Result<Vec<Counted>, Error> {
     let image = counting_image()?;
-    let output = Command::new(PROGRAM).args(NO_SERIAL).args(ARGUMENTS).arg(&image).output().map_err(PilError::Start)?;
+    let output = Command::new(PROGRAM)
+        .args(["-M", machine(&image).map_err(PilError::Start)?])
+        .args(NO_SERIAL)
+        .args(ARGUMENTS)
+        .arg(&image)
+        .output()
+        .map_err(PilError::Start)?;
     if !output.status.success() {
         let message = String::from_utf8_lossy(&output.stderr);
         return Err(Error::Counts(format!("{}: {}", output.status, message.trim())));

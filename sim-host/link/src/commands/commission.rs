@@ -45,7 +45,7 @@ use self::modes::Mode;
 use self::neighbours::Resolved;
 use self::proposal::Proposal;
 use self::verification::Verified;
-use super::amount;
+use super::{amperes, timeout, volts};
 use crate::answer::Answer;
 use crate::link_error::LinkError;
 use crate::session::Session;
@@ -64,11 +64,11 @@ pub struct CommissionArgs {
     #[arg(long, value_name = "LOW:HIGH")]
     band: Band,
     /// Maximum peak voltage at the amplifier, V; the board's own limit if that is lower.
-    #[arg(long, value_name = "V", value_parser = positive)]
+    #[arg(long, value_name = "V", value_parser = positive_volts)]
     max_volts: f64,
     /// Maximum peak current, A. Default: the board's limit (`limits.current_a`), which always
     /// applies.
-    #[arg(long, value_name = "A", value_parser = positive)]
+    #[arg(long, value_name = "A", value_parser = positive_amperes)]
     max_amps: Option<f64>,
     /// Mode to drive, by its number in the table. Default: the strongest, with the largest motional
     /// capacitance.
@@ -76,7 +76,7 @@ pub struct CommissionArgs {
     mode: Option<usize>,
     /// Also drive for this time, s, and measure thermal resistance and heat capacity of the stack
     /// without a load; three thermal time constants are enough.
-    #[arg(long, value_name = "S", value_parser = positive)]
+    #[arg(long, value_name = "S", value_parser = positive_seconds)]
     heating: Option<f64>,
     /// Store the settings that have passed the test; without it the settings of the
     /// board remain as before.
@@ -90,8 +90,20 @@ pub struct CommissionArgs {
     output: Option<PathBuf>,
 }
 
-fn positive(text: &str) -> Result<f64, String> {
-    amount(text).and_then(|value| if value > 0.0 { Ok(f64::from(value)) } else { Err("expected a positive number".into()) })
+fn positive(value: f32) -> Result<f64, String> {
+    if value > 0.0 { Ok(f64::from(value)) } else { Err("expected a positive number".into()) }
+}
+
+fn positive_volts(text: &str) -> Result<f64, String> {
+    volts(text).and_then(positive)
+}
+
+fn positive_amperes(text: &str) -> Result<f64, String> {
+    amperes(text).and_then(positive)
+}
+
+fn positive_seconds(text: &str) -> Result<f64, String> {
+    timeout(text).and_then(positive)
 }
 
 /// Result of a commissioning.

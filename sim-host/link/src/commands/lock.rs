@@ -9,7 +9,7 @@ use firmware::seam::mode::Mode;
 use firmware::seam::telemetry::Telemetry;
 use firmware::seam::units::Hertz;
 
-use super::{circuit, seconds};
+use super::{circuit, seconds, status};
 use crate::answer::{Answer, short};
 use crate::link_error::LinkError;
 use crate::session::Session;
@@ -70,6 +70,11 @@ pub fn run(args: &LockArgs, session: &mut Session) -> Result<Answer, LinkError> 
         .field("resonance_hz", short(report.resonance.0))
         .field("lock_time_ms", time_ms)
         .field("lock_time_gap_ms", gap_ms);
+    let answer = if report.mode == Mode::Run && report.envelope == 0.0 {
+        answer.line(format!("the amplifier is {}", status::amplifier(&report)))
+    } else {
+        answer
+    };
     Ok(answer.line(format!("driving by the configured schedule and amplitude; {}", session.end_of_drive())))
 }
 

@@ -4,7 +4,7 @@
 //! set one (active after `settings store` and a restart) and the default. Lane trims are active as
 //! soon as a calibration has measured them.
 
-use clap::Subcommand;
+use clap::{Args, Subcommand};
 use firmware::board::command::{Command, Reply, Verb};
 use firmware::board::parameters::{PARAMETERS, need_of};
 use firmware::board::stored_state::StoredState;
@@ -14,7 +14,7 @@ use firmware::seam::refusal::Refusal;
 use crate::answer::{Answer, short};
 use crate::client::unexpected;
 use crate::link_error::LinkError;
-use crate::parameter::{parameter, range, read, report, shown};
+use crate::parameter::{named, parameter, range, read, report, shown};
 use crate::session::Session;
 use crate::words;
 use scene::nearest::listed;
@@ -23,19 +23,37 @@ use scene::nearest::listed;
 /// cycles (DS12288); each half has four pages, and each page holds three of the longest records.
 const MIN_STORES: u32 = 100_000;
 
+/// Order without a name: all parameters.
+const ALL: SettingsOrder = SettingsOrder::Get { name: None };
+
+/// Arguments of the command.
+#[derive(Args, Clone, Debug)]
+pub struct SettingsArgs {
+    #[command(subcommand)]
+    order: Option<SettingsOrder>,
+}
+
+impl SettingsArgs {
+    /// Returns the order; without one, all parameters are listed.
+    pub fn order(&self) -> &SettingsOrder {
+        self.order.as_ref().unwrap_or(&ALL)
+    }
+}
+
 /// Command on the settings.
 #[derive(Clone, Debug, Subcommand)]
 pub enum SettingsOrder {
-    /// Show one parameter, or all.
+    /// Show one parameter, those of a group, or all.
+    #[command(visible_alias = "list")]
     Get {
-        /// Name of the parameter, such as `limits.voltage_v`.
+        /// Name of the parameter, such as `limits.voltage_v`, or of a group, such as `limits`.
         name: Option<String>,
     },
     /// Set a parameter; it becomes active after `settings store` and `reset`.
     Set {
         /// Name of the parameter.
         name: String,
-        /// Value: a number in the unit of the name, or one of its names.
+        /// Value: a number in the unit of the name or with a unit (`500mV`), or a name.
         #[arg(allow_hyphen_values = true)]
         value: String,
     },
@@ -57,7 +75,7 @@ pub fn run(order: &SettingsOrder, session: &mut Session) -> Result<Answer, LinkE
         Ok(Answer::to("settings").line(line))
     };
     match order {
-        SettingsOrder::Get { name: Some(name) } => get(&[parameter(name)?], session),
+        SettingsOrder::Get { name: Some(name) } => get(&named(name)?, session),
         SettingsOrder::Get { name: None } => get(&PARAMETERS.iter().collect::<Vec<_>>(), session),
         SettingsOrder::Set { name, value } => set(parameter(name)?, value, session),
         SettingsOrder::Store => store(session),

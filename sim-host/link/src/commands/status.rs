@@ -1,10 +1,12 @@
 //! `status`: shows the present state of the board.
 
 use firmware::seam::fault::Fault;
+use firmware::seam::mode::Mode;
 use firmware::seam::phasor::{Phasor, argument, magnitude};
 use firmware::seam::telemetry::Telemetry;
 use serde_json::Value;
 
+use super::hardware;
 use super::update::ask_keys;
 use crate::answer::{Answer, quantity, short};
 use crate::link_error::LinkError;
@@ -14,7 +16,12 @@ use crate::words;
 /// Requests the present state of the board.
 pub fn run(session: &mut Session) -> Result<Answer, LinkError> {
     let report = session.status()?;
-    ask_keys(in_words(&report, Answer::to("status")), session)
+    let hardware = hardware::ask(session)?;
+    let mut answer = in_words(&report, Answer::to("status"));
+    if hardware.is_some_and(|hardware| hardware.muted) {
+        answer = answer.line("           muted: the enable stays low, also during a drive (`reset` ends this)");
+    }
+    ask_keys(hardware.into_iter().fold(answer, hardware::in_words), session)
 }
 
 /// Adds a report to an answer, as text and fields.
@@ -23,6 +30,7 @@ pub fn in_words(report: &Telemetry, answer: Answer) -> Answer {
         .line(format!("mode       {}{}", words::mode(report.mode), if report.locked { ", locked" } else { "" }))
         .line(format!("frequency  {:.2} Hz; resonance estimated at {:.2} Hz", report.frequency.0, report.resonance.0))
         .line(format!("drive      {} peak, envelope {:.2}", quantity(report.drive.0.into(), "V"), report.envelope))
+        .line(format!("amplifier  {}", amplifier(report)))
         .line(format!(
             "measured   {}, {} at {:+.1} degrees; motional {}, {} of real power",
             quantity(magnitude(report.v).into(), "V"),
@@ -42,6 +50,19 @@ pub fn in_words(report: &Telemetry, answer: Answer) -> Answer {
     fields(report, answer)
 }
 
+/// Describes the enable of the amplifier, which the background task derives from the mode, and the
+/// gate of the drive.
+pub fn amplifier(report: &Telemetry) -> &'static str {
+    match report.mode {
+        Mode::Idle => "off: nothing is ordered (`lock` and `drive` start the drive)",
+        Mode::Fault => "off, until the fault is cleared (`fault clear`) and a drive is ordered",
+        Mode::Run if report.envelope == 0.0 => {
+            "on, but the gate is closed, by the burst schedule or by `burst --off`: nothing is driven now (`burst --on` opens it)"
+        }
+        _ => "on",
+    }
+}
+
 /// Adds the numbers of a report to an answer.
 pub fn fields(report: &Telemetry, answer: Answer) -> Answer {
     answer
@@ -52,6 +73,7 @@ pub fn fields(report: &Telemetry, answer: Answer) -> Answer {
         .field("resonance_hz", short(report.resonance.0))
         .field("drive_v", short(report.drive.0))
         .field("envelope", short(report.envelope))
+        .field("enabled", !matches!(report.mode, Mode::Idle | Mode::Fault))
         .field("voltage_v", short(magnitude(report.v)))
         .field("current_a", short(magnitude(report.i)))
         .field("current_lead_degrees", short(lead_degrees(report)))

@@ -40,6 +40,6 @@ impl ResultFolder {
 
     /// Puts the complete result into its place.
     pub fn finish(self) -> Result<(), LinkError> {
-        Ok(self.folder.finish(json!({ "complete": true }))?)
+        Ok(self.folder.finish(json!({ "complete": true, "level": "board", "version": env!("CARGO_PKG_VERSION") }))?)
     }
 }

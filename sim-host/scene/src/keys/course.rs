@@ -158,6 +158,8 @@ pub enum FaultKind {
     Swapped,
     /// The voltage channel stays at its last code.
     SensorStuck,
+    /// The current channel is one sample late against the voltage channel.
+    CurrentLate,
     /// Both channels read the end of their range.
     Saturation,
     /// One block arrives without codes.

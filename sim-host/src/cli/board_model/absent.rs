@@ -13,11 +13,6 @@ use sim::run::RunError;
 
 const MODEL: &str = "model of the microcontroller (`--board`, `board:SCENE`)";
 
-/// Returns no settings.
-pub(super) fn defaults() -> Vec<String> {
-    Vec::new()
-}
-
 /// Flashed image, which this build cannot run.
 pub(super) enum Flashed {}
 

@@ -18,7 +18,7 @@ use cortex_m::peripheral::NVIC;
 use nucleo_g474re::blocks::RING;
 use nucleo_g474re::trips::Levels;
 use stm32_metapac::adc::Adc;
-use stm32_metapac::adc::vals::{Adcaldif, Exten, SampleTime, Trovs};
+use stm32_metapac::adc::vals::{Adcaldif, Exten, Ovrmod, SampleTime, Trovs};
 use stm32_metapac::adccommon::vals::{Ckmode, Dmacfg, Dual, Mdma};
 use stm32_metapac::bdma::vals::Pl;
 use stm32_metapac::gpio::vals::Pupdr;
@@ -97,6 +97,10 @@ pub fn start() {
         });
     }
     for adc in [ADC1, ADC2] {
+        // ADC_CFGR.OVRMOD (21.7.4): without the FIFO of ADC_DR, in which the values of the slave
+        // may be shifted against those of the master when one DMA channel reads both (ES0430
+        // 2.7.6). OVR is set all the same.
+        adc.cfgr().modify(|w| w.set_ovrmod(Ovrmod::OVERWRITE));
         // ADC_IER.OVRIE (21.7.2): DMA stops if a sample is lost (21.4.26), and no further block
         // would report it.
         adc.ier().modify(|w| w.set_ovrie(true));

@@ -14,6 +14,9 @@ unsafe extern "C" {
 pub fn load() {
     let (from, to, end) = (addr_of!(__siccmram), addr_of_mut!(__sccmram), addr_of_mut!(__eccmram));
     let words = (end as usize - to as usize) / size_of::<u32>();
+    // SAFETY: as below. The first write to a RAM after a reset may be lost (ES0430 2.2.7): this
+    // word is written again.
+    unsafe { to.write_volatile(from.read_volatile()) };
     for word in 0..words {
         // SAFETY: the linker script reserves both ranges with equal length and an alignment of
         // eight; no code runs from there yet.

@@ -15,6 +15,7 @@
 //! needs: RM0440 6.1.5; wait states: RM0440 3.3.3.
 
 use cortex_m::asm::delay;
+use firmware::board::hardware::Clock;
 use stm32_metapac::flash::vals::Latency;
 use stm32_metapac::pwr::vals::Vos;
 use stm32_metapac::rcc::vals::{Hpre, Pllm, Plln, Pllr, Pllsrc, Sw};
@@ -38,6 +39,15 @@ pub enum Source {
     Crystal,
     /// The internal oscillator.
     Internal,
+}
+
+impl From<Source> for Clock {
+    fn from(source: Source) -> Self {
+        match source {
+            Source::Crystal => Clock::Crystal,
+            Source::Internal => Clock::Internal,
+        }
+    }
 }
 
 /// Starts the crystal and returns `true` if it runs. Its failure then raises the non-maskable

@@ -76,18 +76,20 @@ static CUT: AtomicBool = AtomicBool::new(false);
 /// Arms the protection with these over-current thresholds and the enable low, then tests the
 /// over-current trips.
 ///
-/// The sample clock need not run. If the test fails, the enable cannot rise until the next reset.
-pub fn start(lanes: u8, thresholds: Thresholds, levels: Levels) -> (Enable, Stop, Option<TripFailure>) {
+/// The sample clock need not run. If the test fails, or if the enable must not rise on this
+/// silicon, it stays low until the next reset.
+pub fn start(lanes: u8, thresholds: Thresholds, levels: Levels, may_rise: bool) -> (Enable, Stop, Option<TripFailure>) {
     let dac = if Lanes::are_more_than_two(lanes) { DAC1 } else { DAC3 };
     route(dac, thresholds);
     comparators(lanes);
     breaks();
     let failure = levels.failure().or_else(|| test(dac, thresholds, &levels));
-    if failure.is_some() {
+    let may_rise = may_rise && failure.is_none();
+    if !may_rise {
         set(dac, ALWAYS_TRIPPING);
     }
     ENABLE.alternate(TIM1_FUNCTION, Pupdr::PULL_DOWN);
-    (Enable { high: false, may_rise: failure.is_none() }, Stop, failure)
+    (Enable { high: false, may_rise }, Stop, failure)
 }
 
 /// Tests the over-current trips while the enable is low.
@@ -117,12 +119,14 @@ fn set(dac: Dac, (upper, lower): Thresholds) {
 ///
 /// The thresholds are set before the outputs are enabled.
 fn route(dac: Dac, thresholds: Thresholds) {
-    dac.mcr().modify(|w| w.set_hfsel(HFSEL));
-    set(dac, thresholds);
     dac.mcr().modify(|w| {
+        w.set_hfsel(HFSEL);
         w.set_mode(0, Mode::NORMAL_INT_BUFDIS);
         w.set_mode(1, Mode::NORMAL_INT_BUFDIS);
     });
+    // After the mode: the DAC of a related part may lose data that is written before it (ES0418
+    // 2.7.1).
+    set(dac, thresholds);
     dac.cr().modify(|w| {
         w.set_en(0, true);
         w.set_en(1, true);
@@ -258,7 +262,7 @@ pub fn drop_enable() {
 /// again.
 pub struct Enable {
     high: bool,
-    /// `true` if the over-current trips have passed their test.
+    /// `true` if the over-current trips have passed their test, on silicon that is not refused.
     may_rise: bool,
 }
 

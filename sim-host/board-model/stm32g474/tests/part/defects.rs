@@ -99,6 +99,7 @@ fn defects_of_the_stream_are_detected() {
         (Defect::DmaMisses { dma: 1, channel: 2, requests: 1 }, Some(Rule::DacUnderrun)),
         (Defect::TimerHalts { timer: 4 }, None),
         (Defect::AdcStuck { adc: 1, code: 7 }, None),
+        (Defect::AdcLate { adc: 2 }, None),
     ] {
         let mut rig = Rig::on(Board::default());
         rig.clocks(Setup::default());

@@ -133,6 +133,8 @@ pub struct Setup {
     pub rx_dma: bool,
     pub dac_dma: bool,
     pub adc_dma: bool,
+    /// `true` to switch the FIFO of ADC_DR off.
+    pub overwrites: bool,
 }
 
 impl Default for Setup {
@@ -148,6 +150,7 @@ impl Default for Setup {
             rx_dma: true,
             dac_dma: true,
             adc_dma: true,
+            overwrites: true,
         }
     }
 }
@@ -209,6 +212,8 @@ impl<W: Wires> Rig<W> {
             self.write(adc + at::adc::SQR1, channel << 6);
             self.write(adc + at::adc::SMPR, setup.sampling << (3 * channel));
             self.write(adc + at::adc::CFGR2, 1 | 1 << 9);
+            // Without the FIFO of ADC_DR (ES0430 2.7.6).
+            self.write(adc + at::adc::CFGR, u32::from(setup.overwrites) << 12);
         }
         self.set(ADC1 + at::adc::CFGR, 12 << 5 | 1 << 10);
         if setup.adc_dma {

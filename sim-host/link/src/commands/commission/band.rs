@@ -2,8 +2,9 @@
 
 use std::str::FromStr;
 
-use columns::hertz;
 use firmware::board::command::Converters;
+
+use crate::number_with_unit::number_in;
 
 /// Largest half-width of a window, relative to its middle. The board accepts 0.2, so that a
 /// resonance at an edge is found by both windows.
@@ -42,7 +43,8 @@ impl FromStr for Band {
     fn from_str(text: &str) -> Result<Self, String> {
         const FORM: &str = "expected a band as two frequencies in hertz, such as 20k:45k";
         let (low, high) = text.split_once(':').ok_or(FORM)?;
-        let band = Band { low_hz: hertz(low).ok_or(FORM)?, high_hz: hertz(high).ok_or(FORM)? };
+        let end = |text: &str| number_in(text, "Hz").map_err(|why| format!("{FORM}: {why}"));
+        let band = Band { low_hz: end(low)?, high_hz: end(high)? };
         if band.low_hz > 0.0 && band.low_hz < band.high_hz {
             Ok(band)
         } else {
@@ -103,6 +105,7 @@ mod tests {
     #[test]
     fn a_band_is_parsed_with_prefixes() {
         assert_eq!("20k:45k".parse(), Ok(Band { low_hz: 20e3, high_hz: 45e3 }));
+        assert_eq!("20khz:45 kHz".parse(), Ok(Band { low_hz: 20e3, high_hz: 45e3 }));
         assert_eq!("19500:0.1M".parse(), Ok(Band { low_hz: 19_500.0, high_hz: 100e3 }));
         for wrong in ["20k", "45k:20k", "0:1k", "20k:x", "nan:1k"] {
             assert!(wrong.parse::<Band>().unwrap_err().contains("20k:45k"), "{wrong}");

@@ -145,6 +145,15 @@ fn adc_trigger_margin() {
 }
 
 #[test]
+fn adc_dual_fifo() {
+    check(
+        Rule::AdcDualFifo,
+        |rig| stream(rig, Setup::default()),
+        |rig| stream(rig, Setup { overwrites: false, ..Setup::default() }),
+    );
+}
+
+#[test]
 fn adc_overrun() {
     check(Rule::AdcOverrun, |rig| stream(rig, Setup::default()), |rig| stream(rig, Setup { adc_dma: false, ..Setup::default() }));
 }
