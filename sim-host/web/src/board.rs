@@ -23,7 +23,7 @@ use std::time::Duration;
 use firmware::board::command::Command;
 use firmware::board::link::encode;
 use link::client::Client;
-use link::commands::settings::SettingsOrder;
+use link::commands::settings::{SettingsArgs, SettingsOrder};
 use link::commands::{Order, identify};
 use link::files::in_memory as files;
 use link::link_error::LinkError;
@@ -152,7 +152,8 @@ fn run(text: &str, armed: bool, session: &mut Session) -> Result<(), LinkError> 
         if !armed && !order.only_reads() {
             return Err(LinkError::Usage(format!("`{}` acts on the board: arm this connection first", order.name())));
         }
-        if matches!(order, Order::Settings(args) if matches!(args.order(), SettingsOrder::Set { name, .. } if name == HOST_TIMEOUT)) {
+        let sets_timeout = |args: &SettingsArgs| matches!(args.order(), SettingsOrder::Set { name, .. } if name == HOST_TIMEOUT);
+        if matches!(order, Order::Settings(args) if sets_timeout(args)) {
             let why = format!("`{HOST_TIMEOUT}` is not changed by a page, because it stops the drive if the page fails");
             return Err(LinkError::Usage(why));
         }

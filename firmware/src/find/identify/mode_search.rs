@@ -2,10 +2,10 @@
 //!
 //! One more resonance is assumed at the line with the largest residual, and all resonances are
 //! fitted together. The fit is accepted if each resonance exceeds seven standard deviations and if
-//! the variance of the residual is halved, or if that falls to a twentieth. A first resonance may be weaker, because one alone does
-//! not explain several that overlap; it counts only if a second one is accepted. The search ends
-//! when the residual is within the noise of the converters, or with four resonances. Each block
-//! does as much work as its time permits.
+//! the variance of the residual is halved, or if that falls to a twentieth. A first resonance may
+//! be weaker, because one alone does not explain several that overlap; it counts only if a second
+//! one is accepted. The search ends when the residual is within the noise of the converters, or
+//! with four resonances. Each block does as much work as its time permits.
 
 use heapless::Vec;
 
