@@ -52,7 +52,7 @@ enum PhaseDetector {
     Total,
 }
 
-/// Reason why the phase loop tracks in place of the observer, after a scan.
+/// Reason why the phase loop tracks after a scan, and not the observer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Unobserved {
     /// The resonance decays too fast for an observer.
@@ -107,9 +107,9 @@ pub struct Tracker {
     motional: Motional,
     phase_loop: PhaseLoop,
     stray: Stray,
-    /// Observer; `None` also while the phase loop tracks in its place.
+    /// Observer; `None` also while the phase loop tracks after a scan.
     observed: Option<Observed>,
-    /// Reason why the phase loop tracks in place of the observer.
+    /// Reason why the phase loop tracks, and not the observer.
     unobserved: Option<Unobserved>,
     known: Known,
     lock: LockDetector,

@@ -25,11 +25,11 @@ const ROUGH_VARIANCE_RATIO: f32 = 10.0;
 const MIN_STRENGTH_SIGMAS: f32 = 7.0;
 /// Maximum residual variance with one more resonance, relative to that without it.
 const MAX_VARIANCE_RATIO: f32 = 0.5;
-/// Residual variance, relative to that without the resonance, below which it is there whatever the
-/// standard deviation of its strength: two that overlap share theirs in many ways.
+/// Residual variance, relative to that without the resonance, below which the standard deviation of
+/// its strength does not count: two that overlap share theirs in many ways.
 const CERTAIN_VARIANCE_RATIO: f32 = 0.05;
-/// Tangent of the maximum angle between the admittances of two resonances, which the skew of the
-/// sense channels turns alike: 60 degrees. A fit that turns one further explains something else.
+/// Tangent of the maximum angle between the admittances of two resonances, 60 degrees: skew of the
+/// sense channels turns both by the same angle. A fit that turns one further describes no resonance.
 const MAX_TURN: f32 = 1.7;
 /// Number of iterations after which one more resonance must have reduced the variance.
 const PATIENCE_ITERATIONS: u8 = 1;

@@ -92,7 +92,7 @@ impl Pass {
         // the square root of the measuring time.
         let there_s = self.blocks() as f32 * block_s * (fine.width_hz / self.width_hz).min(1.0);
         let target_s = (there_s * excess * excess).min(longest_s);
-        let repeats = if excess > 1.0 { ((target_s / (fine.period_blocks as f32 * block_s) + 0.5) as u32).max(1) } else { 0 };
+        let repeats = if excess > 1.0 { (target_s / (fine.period_blocks as f32 * block_s)) as u32 + 1 } else { 0 };
         Pass { repeats, ..fine }
     }
 
@@ -141,9 +141,8 @@ mod tests {
                 .fine(&MeasuredResonance { hz: 40e3, offset_hz: 0.0, q: 65.0, deviation_hz, has_neighbour: false }, 1100.0, 32e-6)
                 .repeats
         };
-        // The target deviation is 0.0615 Hz. A period of the fine pass takes 30 ms, and 40 ms are
-        // nearer to one than to two.
-        assert_eq!([0.05, 0.07, 0.1, 0.2].map(repeats), [0, 1, 1, 1]);
+        // The target deviation is 0.0615 Hz. A period of the fine pass takes 30 ms.
+        assert_eq!([0.05, 0.07, 0.1, 0.2].map(repeats), [0, 1, 1, 2]);
     }
 
     #[test]
