@@ -43,9 +43,6 @@ use crate::sense::demod::Sensed;
 const MARGIN_REL: f32 = 0.1;
 /// Minimum and maximum duration of the sweep of the window, s.
 const WINDOW_S: (f32, f32) = (8e-3, 16e-3);
-/// Tangent of the largest turn of an admittance by skew between the sense channels: 300 ns at
-/// 100 kHz.
-const MAX_SKEW_TURN: f32 = 0.2;
 /// Maximum number of resonances in each part of a window; the fine pass, which follows in any case,
 /// shows more.
 const MOST_OF_A_PART: usize = 2;
@@ -330,9 +327,7 @@ impl Scan {
             has_neighbour: self.modes.has_neighbour(),
         };
         let fine = self.pass.fine(&seen, reach_hz, self.block_s);
-        // The sweep was too fast to tell the drive from the free vibration.
-        let is_turned = pole.conductance.im.abs() > MAX_SKEW_TURN * pole.conductance.re.abs();
-        if fine.repeats > 0 || self.parts > 1 || is_turned {
+        if fine.repeats > 0 || self.parts > 1 {
             self.begin_pass(Pass { repeats: fine.repeats.max(1), ..fine }, Stage::Fine);
             return self.tune();
         }

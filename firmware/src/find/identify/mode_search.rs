@@ -29,7 +29,7 @@ const MAX_VARIANCE_RATIO: f32 = 0.5;
 /// its strength does not count: two that overlap share theirs in many ways.
 const CERTAIN_VARIANCE_RATIO: f32 = 0.05;
 /// Tangent of the maximum angle between the admittances of two resonances, 60 degrees: skew of the
-/// sense channels turns both by the same angle. A fit that turns one further describes no resonance.
+/// sense channels turns both. A fit that turns one further describes no resonance.
 const MAX_TURN: f32 = 1.7;
 /// Number of iterations after which one more resonance must have reduced the variance.
 const PATIENCE_ITERATIONS: u8 = 1;
