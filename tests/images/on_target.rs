@@ -15,7 +15,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use object::{Object as _, ObjectSection as _, ObjectSymbol as _};
-use pil::machine::{ARGUMENTS, NO_SERIAL, PROGRAM};
+use pil::machine::{ARGUMENTS, NO_SERIAL, PROGRAM, machine};
 use pil::test_image;
 use serde_json::Value;
 
@@ -66,7 +66,7 @@ fn tests(image: &[u8]) -> Vec<Test> {
 /// Runs one test. Returns the exit status and the output of QEMU.
 fn run(image: &Path, test: &Test) -> Output {
     let mut command = Command::new(PROGRAM);
-    command.args(NO_SERIAL);
+    command.args(["-M", machine(image).expect("the image")]).args(NO_SERIAL);
     for argument in ARGUMENTS {
         let line = format!("{argument},arg=run_addr,arg={}", test.address);
         command.arg(if argument.starts_with(SEMIHOSTING) { &line } else { argument });

@@ -33,7 +33,7 @@ const PANIC_FUNCTIONS: [(&str, &str); 12] = [
 
 /// Functions, by the beginning of their names, and the reason why they never panic. The first match
 /// counts.
-const REASONS: [(&str, &str); 23] = [
+const REASONS: [(&str, &str); 24] = [
     (
         "sequential_storage::",
         "the geometry of the flash: words and pages have constant sizes, and lengths are checked before a buffer is cut; \
@@ -70,6 +70,7 @@ const REASONS: [(&str, &str); 23] = [
         "sonoglide_firmware::generate::sweep::chirp",
         "the two legs have the indices 0 and 1; a configuration with a chirp of no blocks is refused",
     ),
+    ("sonoglide_firmware::find::scan::modes::Modes::add", "a place is one of the list, or its end"),
     ("sonoglide_firmware::find::scan::Scan::tune", "a pass has at least `FEWEST_BLOCKS` blocks"),
     ("sonoglide_firmware::controller::stages::scan", "places are below the length of the list, which was read just before"),
     ("sonoglide_firmware::controller::stages::clamped", "every tone has blocks"),

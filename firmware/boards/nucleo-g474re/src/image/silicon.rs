@@ -6,12 +6,6 @@ use stm32_metapac::DBGMCU;
 pub fn identity() -> (u16, u16) {
     let code = DBGMCU.idcode().read();
     let (device, revision) = (code.dev_id(), code.rev_id());
-    match nucleo_g474re::errata::letter(revision) {
-        Some(letter) => defmt::info!("silicon {=u16:#x}, revision {=char}", device, letter),
-        None => defmt::warn!("silicon {=u16:#x}, unknown revision {=u16:#x} (docs/errata.md)", device, revision),
-    }
-    if nucleo_g474re::errata::is_refused(revision) {
-        defmt::error!("this silicon revision has errata that are not handled, the amplifier stays off (docs/errata.md)");
-    }
+    defmt::info!("silicon {=u16:#x}, revision {=u16:#x} (docs/errata.md)", device, revision);
     (device, revision)
 }
