@@ -116,6 +116,7 @@ impl Parts {
             burst,
             phasing,
             shape,
+            shaped: false,
         };
         let supervisor = Supervisor::new(Acquisition::from_tracking(config.tracking.mode));
         let track = TrackedTransducer::build(config, tracker);

@@ -333,6 +333,31 @@ impl Burst {
         Envelope::Flat(if open { 1.0 } else { 0.0 })
     }
 
+    /// Ends the drive within one block, by a linear ramp from its last level to zero: an end between
+    /// zero crossings would draw a peak of current into the clamped capacitance. Closed, it stays
+    /// closed.
+    #[inline(never)]
+    pub(crate) fn fade_out(&mut self, stretch: &Stretch, samples: usize) -> Envelope<'_> {
+        let one = Levels::one(self.loudest);
+        let last = match (self.edge, self.levels.last()) {
+            (Some(edge), Some(&part)) if !self.ramp.is_multiple_of(edge) => part as f32 / one,
+            _ => self.level(),
+        };
+        let _ = self.set_envelope_now(false, stretch, samples);
+        if last == 0.0 {
+            return Envelope::Flat(0.0);
+        }
+        if self.levels.len() != samples {
+            // There is room for the longest block.
+            let _ = self.levels.resize_default(samples);
+        }
+        let step = last / samples as f32;
+        for (n, part) in self.levels.iter_mut().rev().enumerate() {
+            *part = (n as f32 * step * one) as i32;
+        }
+        Envelope::Edge(Levels { parts: &self.levels, loudest: self.loudest, mean: 0.5 * (last - step) })
+    }
+
     fn gate(&mut self, gate: Gate, now: u64) -> (bool, u64) {
         match gate {
             Gate::Scheduled => self.schedule.gate(now),

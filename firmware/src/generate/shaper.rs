@@ -105,6 +105,11 @@ impl Shaper {
         self.owed.iter().all(|&owed| owed == 0)
     }
 
+    /// Returns the amplitude of the last driven block, codes.
+    pub(crate) fn driven(&self) -> f32 {
+        self.driven
+    }
+
     /// Writes a block of mid-code without compensation, for a drive that must be silent, or is
     /// measured in silence.
     pub(crate) fn mute(&mut self, play: &Play, drive: &mut DriveBlock) {

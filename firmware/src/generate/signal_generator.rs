@@ -78,6 +78,8 @@ pub(crate) struct SignalGenerator {
     pub(crate) burst: Burst,
     pub(crate) phasing: Phasing,
     pub(crate) shape: Shape,
+    /// `true` if the last block had the configured shape, and not that of a plain sine.
+    pub(crate) shaped: bool,
 }
 
 impl SignalGenerator {
@@ -130,7 +132,8 @@ impl SignalGenerator {
         let now = self.now(block);
         let louder = self.burst.loudest();
         let envelope = match mode {
-            Mode::Idle | Mode::Fault => self.burst.set_envelope_now(false, &stretch, self.samples),
+            Mode::Idle => self.burst.fade_out(&stretch, self.samples),
+            Mode::Fault => self.burst.set_envelope_now(false, &stretch, self.samples),
             Mode::SelfTest | Mode::Scan | Mode::Calibrate | Mode::Clamped => {
                 let open = plan.gate == Gate::On;
                 if mode == Mode::Scan && !open {
@@ -145,18 +148,26 @@ impl SignalGenerator {
             Mode::Lock | Mode::Run => self.burst.envelope(plan.gate, now, &stretch, self.samples, plan.volts),
         };
         let (level, flat) = (envelope.mean(), envelope.is_flat());
-        // A brake may exceed the drive but not the limit, even if the drive has changed since.
-        let volts = self.amplitude.limit_volts(plan.volts, louder);
+        let fades = mode == Mode::Idle && !flat;
+        let volts = if fades {
+            self.shaper.driven() / self.scale.lsb_per_volt()
+        } else {
+            // A brake may exceed the drive but not the limit, even if the drive has changed since.
+            self.amplitude.limit_volts(plan.volts, louder)
+        };
         let (quadrature, _) = self.phasing.quadrature(orders.quadrature.filter(|_| mode != Mode::Calibrate));
         let lanes = self.phasing.lanes(hz, quadrature);
         let gain = lanes.first().map_or(1.0, |lane| lane.gain);
         let play = Play { scale: &self.scale, lanes, stretch, samples: self.samples, volts, louder, envelope };
         let mut plain = Shape::Sine;
-        let shaped = running || mode == Mode::Lock && !observed;
-        let pure = !shaped || matches!(self.shape, Shape::Sine);
-        let shape = if shaped { &mut self.shape } else { &mut plain };
+        if !fades {
+            self.shaped = running || mode == Mode::Lock && !observed;
+        }
+        let pure = !self.shaped || matches!(self.shape, Shape::Sine);
+        let shape = if self.shaped { &mut self.shape } else { &mut plain };
         let muted = match mode {
-            Mode::Idle | Mode::Fault => true,
+            Mode::Idle => !fades,
+            Mode::Fault => true,
             Mode::SelfTest | Mode::Clamped => plan.volts == 0.0,
             _ => false,
         };

@@ -166,8 +166,8 @@ impl Swing {
     }
 }
 
-/// Returns `sin(2 pi turns)` at compile time, for turns in 0 to 1: the Taylor series about zero of
-/// the angle folded into a quarter turn on either side. The last term is below 1e-17.
+/// Returns `sin(2 pi turns)`, for turns in 0 to 1: the Taylor series about zero of the angle folded
+/// into a quarter turn on either side. The last term is below 1e-17.
 pub(super) const fn sine_of_turns(turns: f64) -> f64 {
     let turns = turns - if turns > 0.75 { 1.0 } else { 0.0 };
     let turns = if turns > 0.25 { 0.5 - turns } else { turns };
