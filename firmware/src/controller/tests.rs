@@ -27,7 +27,7 @@ impl Resonator {
 
     fn exchange(&mut self, drive: &DriveBlock) -> SenseBlock {
         let mut sense = SenseBlock::default();
-        for &code in &drive.lanes[0] {
+        for &code in &drive.lanes[usize::from(drive.listen)] {
             let before_v = core::mem::replace(&mut self.drive_v, (f64::from(code) - 2048.0) * 0.008);
             let slope = self.drive_v - self.charge_c / Self::CM_F - Self::RM_OHM * self.current_a;
             self.current_a += Self::SAMPLE_S / Self::LM_H * slope;
@@ -113,4 +113,71 @@ fn a_scan_begins_at_zero() {
         }
     }
     assert_eq!(began, 2);
+}
+
+/// However a drive ends without a fault, at any phase, with any waveform and in every lane: it
+/// fades within one block, in steps little larger than before, and then there is silence.
+#[test]
+fn a_drive_that_ends_fades_within_a_block() {
+    use crate::seam::config::{Edge, ShapeKind, TrackingMode};
+    let run = |shape, edge, request, blocks: usize| {
+        let mut config = config();
+        (config.lanes, config.drive.shape) = (4, shape);
+        (config.burst.edge, config.burst.edge_cycles) = (edge, 100.0);
+        // A boost needs a lock.
+        config.tracking.mode = if edge == Edge::Boost { TrackingMode::PhaseLock } else { TrackingMode::Off };
+        let mut controller = Controller::build(&config).unwrap();
+        let mut queue = [controller.silence(), controller.silence()];
+        let mut load = Resonator::default();
+        let mut drives = std::vec::Vec::new();
+        let (mut running, mut over) = (0, 0);
+        while over < 2 {
+            let ends = running == blocks;
+            let orders = Orders {
+                sequence: 1 + u32::from(ends),
+                attempt: 1,
+                request: if ends { request } else { Request::Run },
+                gate: Gate::On,
+                ..Orders::default()
+            };
+            let slot = drives.len() % 2;
+            let sense = load.exchange(&queue[slot]);
+            let report = controller.process(&orders, &sense, &mut queue[slot]);
+            assert!(report.fault.is_none() && drives.len() < 20_000, "{report:?}");
+            drives.push(queue[slot].clone());
+            running += usize::from(report.mode == Mode::Run);
+            over += usize::from(ends);
+        }
+        drives
+    };
+    for (shape, edge) in [
+        (ShapeKind::Sine, Edge::Hard),
+        (ShapeKind::Sine, Edge::Soft),
+        (ShapeKind::Sine, Edge::Boost),
+        (ShapeKind::Square, Edge::Hard),
+        (ShapeKind::Noise, Edge::Hard),
+    ] {
+        for request in [Request::Idle, Request::Scan, Request::Calibrate] {
+            // Within the ramp of the soft edge, and after it.
+            for blocks in (40..130).step_by(7) {
+                let drives = run(shape, edge, request, blocks);
+                let [before @ .., fade, silence] = &*drives else { panic!() };
+                for lane in 0..4 {
+                    let codes = |drives: &[DriveBlock]| {
+                        drives.iter().flat_map(|drive| drive.lanes[lane].clone()).collect::<std::vec::Vec<_>>()
+                    };
+                    let largest = |codes: &[u16]| codes.array_windows().map(|[a, b]| a.abs_diff(*b)).max().unwrap();
+                    let peak = codes(&before[before.len() - 30..]).iter().map(|code| code.abs_diff(2048)).max().unwrap();
+                    let steady = largest(&codes(&before[before.len() - 30..]));
+                    let end = [&before[before.len() - 1], fade, silence].map(DriveBlock::clone);
+                    assert!(
+                        peak > 50 && largest(&codes(&end)) <= steady + peak / 16,
+                        "{shape:?} {edge:?} {request:?} {blocks} {lane}"
+                    );
+                    assert!(fade.lanes[lane].iter().any(|&code| code != 2048), "{shape:?} {edge:?} {request:?} {blocks}");
+                    assert!(silence.lanes[lane].iter().all(|&code| code == 2048), "{shape:?} {edge:?} {request:?} {blocks}");
+                }
+            }
+        }
+    }
 }

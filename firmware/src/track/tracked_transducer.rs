@@ -193,7 +193,10 @@ impl TrackedTransducer {
         (self.transducer, self.other_mode) = (Some(*transducer), modes.other_mode());
         let off_f = off_resonance_c0_f.map_or(0.0, |c0_f| transducer.c0_f - c0_f);
         self.is_uncertain = false;
-        self.is_lossy = TAU * transducer.series_resonance_hz * off_f.abs() * transducer.rm_ohm > LOSSY_CONTRADICTION;
+        let contradicts = TAU * transducer.series_resonance_hz * off_f.abs() * transducer.rm_ohm > LOSSY_CONTRADICTION;
+        // Two standard deviations, in half bandwidths.
+        let shift = 4.0 * transducer.q * transducer.deviations.series_resonance_hz / transducer.series_resonance_hz;
+        self.is_lossy = contradicts || shift > LOSSY_SHIFT;
         self.learning.adopt(transducer);
     }
 

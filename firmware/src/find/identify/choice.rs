@@ -2,7 +2,8 @@
 //!
 //! 1. The resonance is inside the window. If none is, there is no resonance (fault 30).
 //! 2. If a motional inductance is configured (`tracking.nominal_lm_h`), the inductance of the
-//!    resonance is within [`LM_FACTOR`] of it. If no resonance fits, the mode is wrong (fault 34).
+//!    resonance is within [`LM_FACTOR`] of it, or within three standard deviations of that. If no
+//!    resonance fits, the mode is wrong (fault 34).
 //! 3. Among the remaining resonances, the one with the largest motional capacitance is chosen, as
 //!    damping does not change it. The choice is ambiguous (fault 34) if the inductance is not
 //!    configured and another resonance has more than `AMBIGUOUS_RATIO` of that capacitance.
@@ -13,6 +14,8 @@ use crate::seam::transducer::Resonance;
 /// Maximum ratio between the measured motional inductance and its nominal value: a factor of two,
 /// and a tenth for the error of the measurement, in which other resonances take part.
 pub(crate) const LM_FACTOR: f32 = 2.2;
+/// Margin of that comparison, standard deviations of the measured inductance.
+const MARGIN_SIGMAS: f32 = 3.0;
 /// Ratio of two motional capacitances above which the choice is ambiguous.
 const AMBIGUOUS_RATIO: f32 = 0.8;
 
@@ -26,18 +29,21 @@ pub(crate) struct Choice {
 }
 
 impl Choice {
-    /// Returns the index of the chosen resonance in the list, or the fault.
-    pub(crate) fn choose(&self, found: &[Resonance]) -> Result<usize, Fault> {
+    /// Returns the index of the chosen resonance in the list, or the fault. `lm_deviations_h`:
+    /// standard deviations of the inductances; zero if absent.
+    pub(crate) fn choose(&self, found: &[Resonance], lm_deviations_h: &[f32]) -> Result<usize, Fault> {
         let (centre_hz, half_hz) = self.window_hz;
         let inside = |resonance: &Resonance| (resonance.hz - centre_hz).abs() <= half_hz;
-        let fits = |resonance: &Resonance| {
-            self.nominal_lm_h.is_none_or(|nominal| resonance.lm_h < nominal * LM_FACTOR && resonance.lm_h * LM_FACTOR > nominal)
+        let fits = |n: usize, resonance: &Resonance| {
+            let deviation_h = lm_deviations_h.get(n).copied().unwrap_or_default();
+            let factor = LM_FACTOR * (1.0 + MARGIN_SIGMAS * deviation_h / resonance.lm_h);
+            self.nominal_lm_h.is_none_or(|nominal| resonance.lm_h < nominal * factor && resonance.lm_h * factor > nominal)
         };
         if !found.iter().any(inside) {
             return Err(Fault::NoResonance);
         }
         let (mut best, mut second) = ((None, 0.0), 0.0);
-        for (n, resonance) in found.iter().enumerate().filter(|(_, resonance)| inside(resonance) && fits(resonance)) {
+        for (n, resonance) in found.iter().enumerate().filter(|(n, resonance)| inside(resonance) && fits(*n, resonance)) {
             let strength = 1.0 / (resonance.lm_h * resonance.hz * resonance.hz);
             if strength > best.1 {
                 (best, second) = ((Some(n), strength), best.1);
@@ -65,25 +71,26 @@ mod tests {
     #[test]
     fn the_strongest_in_the_window_is_chosen() {
         let found = [resonance(38_000.0, 1e-4), resonance(39_500.0, 4e-3), resonance(40_400.0, 8e-4)];
-        assert_eq!(choice(None).choose(&found), Ok(2));
-        assert_eq!(choice(None).choose(&found[..1]), Err(Fault::NoResonance));
-        assert_eq!(choice(None).choose(&[]), Err(Fault::NoResonance));
+        assert_eq!(choice(None).choose(&found, &[]), Ok(2));
+        assert_eq!(choice(None).choose(&found[..1], &[]), Err(Fault::NoResonance));
+        assert_eq!(choice(None).choose(&[], &[]), Err(Fault::NoResonance));
     }
 
     #[test]
     fn the_nominal_inductance_decides() {
         let found = [resonance(39_500.0, 4e-3), resonance(40_400.0, 8e-4)];
-        assert_eq!(choice(Some(3e-3)).choose(&found), Ok(0));
-        assert_eq!(choice(Some(1e-3)).choose(&found), Ok(1));
-        assert_eq!(choice(Some(0.1)).choose(&found), Err(Fault::WrongMode));
-        assert_eq!(choice(Some(2.19 * 4e-3)).choose(&found), Ok(0));
-        assert_eq!(choice(Some(2.21 * 4e-3)).choose(&found), Err(Fault::WrongMode));
+        assert_eq!(choice(Some(3e-3)).choose(&found, &[]), Ok(0));
+        assert_eq!(choice(Some(1e-3)).choose(&found, &[]), Ok(1));
+        assert_eq!(choice(Some(0.1)).choose(&found, &[]), Err(Fault::WrongMode));
+        assert_eq!(choice(Some(2.19 * 4e-3)).choose(&found, &[]), Ok(0));
+        assert_eq!(choice(Some(2.21 * 4e-3)).choose(&found, &[]), Err(Fault::WrongMode));
+        assert_eq!(choice(Some(2.21 * 4e-3)).choose(&found, &[1e-4, 0.0]), Ok(0));
     }
 
     #[test]
     fn two_equal_resonances_are_ambiguous() {
         let found = [resonance(39_500.0, 8e-4), resonance(40_400.0, 8.5e-4)];
-        assert_eq!(choice(None).choose(&found), Err(Fault::WrongMode));
-        assert_eq!(choice(Some(8e-4)).choose(&found), Ok(0));
+        assert_eq!(choice(None).choose(&found, &[]), Err(Fault::WrongMode));
+        assert_eq!(choice(Some(8e-4)).choose(&found, &[]), Ok(0));
     }
 }

@@ -225,8 +225,6 @@ impl ModeSearch {
         self.begin(&assumed, ITERATIONS);
     }
 
-    // Not inlined: the flash of a slot has no room.
-    #[inline(never)]
     fn begin(&mut self, assumed: &Circuit, iterations: u8) {
         self.fit.restart(assumed);
         self.line = 0;
@@ -280,13 +278,15 @@ impl ModeSearch {
         }
     }
 
-    /// Returns `true` if the admittance of a fitted resonance points away from that of the first.
-    // Not inlined: the flash of a slot has no room.
-    #[inline(never)]
+    /// Returns `true` if the admittance of a fitted resonance points away from that of the
+    /// strongest one.
     fn is_turned(&self, which: usize) -> bool {
-        let (Some(first), Some(other)) = (self.fitted.poles.first(), self.fitted.poles.get(which)) else { return false };
-        let along = other.conductance * first.conductance.conj();
-        along.im.abs() > MAX_TURN * along.re
+        let conductances = || self.fitted.poles.iter().map(|pole| pole.conductance);
+        let strongest = conductances().max_by(|a, b| a.norm_sqr().total_cmp(&b.norm_sqr())).unwrap_or_default();
+        conductances().nth(which).is_some_and(|conductance| {
+            let along = conductance * strongest.conj();
+            along.im.abs() > MAX_TURN * along.re
+        })
     }
 
     fn keep(&mut self) {
@@ -308,8 +308,6 @@ impl ModeSearch {
     }
 
     /// Ends the search.
-    // Not inlined: the flash of a slot has no room.
-    #[inline(never)]
     fn end(&mut self) {
         self.stage = Stage::Done;
         if self.is_tentative {

@@ -75,8 +75,6 @@ impl Modes {
     }
 
     /// Returns `true` if another resonance is within [`NEIGHBOUR_BANDWIDTHS`] of the chosen one.
-    // Not inlined: the flash of a slot has no room.
-    #[inline(never)]
     pub(crate) fn has_neighbour(&self) -> bool {
         let Some((chosen, _)) = self.chosen() else { return false };
         let reach_hz = NEIGHBOUR_BANDWIDTHS * (self.nominal_hz + chosen.offset_hz) / chosen.q;
@@ -85,8 +83,6 @@ impl Modes {
 
     /// Returns `true` if another resonance makes steps around the chosen one less accurate than a
     /// scan. Its strength grows with the cube of the bandwidth over its distance.
-    // Not inlined: the flash of a slot has no room.
-    #[inline(never)]
     pub(crate) fn is_crowded(&self) -> bool {
         let Some((chosen, _)) = self.chosen() else { return false };
         let bandwidth_hz = (self.nominal_hz + chosen.offset_hz) / chosen.q;
@@ -98,8 +94,6 @@ impl Modes {
 
     /// Adds a resonance. If the list is full, the weakest is dropped. With `overlap`, a resonance
     /// that an earlier part of the window contained is ignored.
-    // Not inlined: the flash of a slot has no room.
-    #[inline(never)]
     pub(crate) fn add(&mut self, pole: Pole, deviations: Deviations, overlap: bool) {
         let apart_hz = MIN_DISTANCE_BANDWIDTHS * (self.nominal_hz + pole.offset_hz) / pole.q;
         if overlap && self.found.iter().any(|(other, _)| (other.offset_hz - pole.offset_hz).abs() < apart_hz) {
@@ -118,16 +112,13 @@ impl Modes {
     }
 
     /// Chooses the resonance to drive.
-    // Not inlined: the flash of a slot has no room.
-    #[inline(never)]
     pub(crate) fn choose(&mut self, choice: &Choice) -> Result<(), Fault> {
-        self.chosen = choice.choose(&self.listed)?;
+        let lm_deviations_h: Vec<f32, MOST_MODES> = self.found.iter().map(|(_, deviations)| deviations.lm_h).collect();
+        self.chosen = choice.choose(&self.listed, &lm_deviations_h)?;
         Ok(())
     }
 
     /// Replaces the chosen resonance, the first of a later fit, and all others of that fit.
-    // Not inlined: the flash of a slot has no room.
-    #[inline(never)]
     pub(crate) fn refine(&mut self, fitted: &Circuit, deviations: &[Deviations]) {
         self.found.retain(|(pole, _)| fitted.known.contains(pole));
         fitted.poles.iter().zip(deviations).for_each(|(pole, deviations)| self.add(*pole, *deviations, false));

@@ -63,8 +63,6 @@ impl Pass {
     /// Creates a pass from `low_hz` to `high_hz`, offsets from the nominal frequency. Its duration
     /// is the shortest between `shortest_s` and `longest_s` that yields enough lines. A range too
     /// narrow for enough lines in the longest time is widened; a range above the maximum is cut.
-    // Not inlined: the flash of a slot has no room.
-    #[inline(never)]
     pub(crate) fn between(low_hz: f32, high_hz: f32, (shortest_s, longest_s): (f32, f32), block_s: f32) -> Self {
         let width_hz = (high_hz - low_hz).max(FEWEST_LINES / longest_s);
         let period_s = within(FEWEST_LINES / width_hz, shortest_s, longest_s);
@@ -79,8 +77,6 @@ impl Pass {
     /// Returns the fine pass around a resonance that this pass has measured, within `reach_hz` of
     /// the nominal frequency. Its length follows from the target deviation; it has no periods if
     /// this pass has reached the target.
-    // Not inlined: the flash of a slot has no room.
-    #[inline(never)]
     pub(crate) fn fine(&self, seen: &MeasuredResonance, reach_hz: f32, block_s: f32) -> Self {
         let bandwidth_hz = seen.hz / seen.q;
         let (bandwidths, longest_s) =

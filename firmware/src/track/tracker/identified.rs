@@ -57,10 +57,11 @@ pub(crate) fn circuit(observer: &Observer, nominal_hz: f32, known: &Known) -> Tr
 pub(crate) fn crowded(scanned: &Transducer, phase_rad: f32) -> Transducer {
     let mut transducer = *scanned;
     let deviations = &mut transducer.deviations;
-    deviations.series_resonance_hz += 0.5 * phase_rad * scanned.series_resonance_hz / scanned.q;
-    deviations.q += phase_rad * scanned.q;
-    deviations.rm_ohm += phase_rad * scanned.rm_ohm;
-    deviations.lm_h += phase_rad * scanned.lm_h;
+    let add = |deviation: &mut f32, size: f32| *deviation = libm::sqrtf(*deviation * *deviation + size * size);
+    add(&mut deviations.series_resonance_hz, 0.5 * phase_rad * scanned.series_resonance_hz / scanned.q);
+    add(&mut deviations.q, phase_rad * scanned.q);
+    add(&mut deviations.rm_ohm, phase_rad * scanned.rm_ohm);
+    add(&mut deviations.lm_h, phase_rad * scanned.lm_h);
     transducer
 }
 
