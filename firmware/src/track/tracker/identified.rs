@@ -197,7 +197,7 @@ mod tests {
     /// current gives Rm, the strength gives Lm.
     #[test]
     fn the_deviations_match_those_of_a_fit() {
-        let mut observer = Observer::new(40e3, 32e-6);
+        let mut observer = Observer::new(40e3, 32e-6, 2e3);
         let axis = Phasor::new(1.0, 0.0);
         observer.start(&Prior { offset_hz: (300.0, 25.0), q: 30.0, lm_h: (0.8e-3, 0.08e-3), axis, noise_a: 1e-3 });
         let known = Known { c0_f: (290e-9, 4e-9), modes: (2, 0), phase_rad: 0.01, closely: true };
@@ -233,7 +233,7 @@ mod tests {
 
     #[test]
     fn a_strength_measured_off_resonance_is_less_certain() {
-        let mut observer = Observer::new(40e3, 32e-6);
+        let mut observer = Observer::new(40e3, 32e-6, 2e3);
         let axis = Phasor::new(1.0, 0.0);
         observer.start(&Prior { offset_hz: (300.0, 25.0), q: 30.0, lm_h: (0.8e-3, 0.1e-6), axis, noise_a: 1e-3 });
         let noise = observer.strength_deviation();

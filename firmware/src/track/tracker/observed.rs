@@ -76,7 +76,7 @@ impl Observed {
     pub(crate) fn new(nominal_hz: f32, block_s: f32, window_hz: f32) -> Self {
         let prior = Prior { offset_hz: (0.0, 0.0), q: 1.0, lm_h: (1.0, 0.1), axis: Phasor::new(1.0, 0.0), noise_a: 1.0 };
         Observed {
-            observer: Observer::new(nominal_hz, block_s),
+            observer: Observer::new(nominal_hz, block_s, window_hz),
             nominal_hz,
             window_hz,
             follow_hz: FOLLOW_DEVIATION_REL * nominal_hz,

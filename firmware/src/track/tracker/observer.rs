@@ -67,7 +67,7 @@ const MODEL_ERROR_REL: f32 = 5e-4;
 const SILENT_SIGMAS: f32 = 8.0;
 /// Largest relative change of the voltage per block for which the drive counts as steady.
 const STEADY_VOLTAGE_REL: f32 = 0.02;
-/// Factor by which the estimate may exceed the bounds of the prior while it settles.
+/// Factor by which the estimate may exceed the window of the drive.
 const WINDOW_FACTOR: f32 = 1.5;
 /// Smallest real part of the pole, `-alpha T`: Q = 2.
 const MIN_POLE_RE: f32 = -1.5;
@@ -138,8 +138,9 @@ struct Covariance {
 }
 
 impl Observer {
-    /// Creates an observer around `nominal_hz`, with a block every `block_s` seconds.
-    pub fn new(nominal_hz: f32, block_s: f32) -> Self {
+    /// Creates an observer within ± `window_hz` of `nominal_hz`, with a block every `block_s`
+    /// seconds.
+    pub fn new(nominal_hz: f32, block_s: f32, window_hz: f32) -> Self {
         let wander = TAU * WANDER_REL * nominal_hz * block_s;
         Observer {
             nominal_hz,
@@ -148,7 +149,7 @@ impl Observer {
             hz_per_radian: 1.0 / (TAU * block_s),
             radian_per_hz: TAU * block_s,
             wander: 2.0 * wander * wander * block_s,
-            window: 0.0,
+            window: WINDOW_FACTOR * TAU * window_hz * block_s,
             noise: 1.0,
             lm_h: 1.0,
             ohm_per_pole: 0.0,
@@ -168,7 +169,6 @@ impl Observer {
     pub fn start(&mut self, prior: &Prior) {
         let (offset_hz, spread_hz) = prior.offset_hz;
         let spread = TAU * spread_hz * self.block_s;
-        self.window = self.window.max(offset_hz.abs() * TAU * self.block_s + WINDOW_FACTOR * spread);
         self.noise = prior.noise_a * prior.noise_a;
         let (lm_h, deviation) = prior.lm_h;
         let spread_of_strength = larger(deviation / lm_h, MIN_LM_DEVIATION_REL);
@@ -262,10 +262,11 @@ impl Observer {
         }
         // A value that is not a number becomes the lower bound.
         let within = |x: f32, least: f32, most: f32| smaller(larger(x, least), most);
-        self.pole = Phasor::new(
-            within(self.pole.re, MIN_POLE_RE, MAX_POLE_RE),
-            within(self.pole.im + self.rate, -self.window, self.window),
-        );
+        let moved = self.pole.im + self.rate;
+        self.pole = Phasor::new(within(self.pole.re, MIN_POLE_RE, MAX_POLE_RE), within(moved, -self.window, self.window));
+        if self.pole.im != moved {
+            self.rate = 0.0;
+        }
     }
 
     /// Returns `exp((-alpha + j (w0 - w)) T / 2)` for a drive at `offset_hz` from the nominal

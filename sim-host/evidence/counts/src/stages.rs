@@ -141,7 +141,7 @@ fn tracking(print: Print, mode: TrackingMode, block_s: f32, name: &str) {
 
 /// Counts the observer alone: a block that it follows, and one in which its drive changes.
 fn observing(print: Print) {
-    let mut observer = Observer::new(NOMINAL_HZ, BLOCK_S);
+    let mut observer = Observer::new(NOMINAL_HZ, BLOCK_S, 0.05 * NOMINAL_HZ);
     let offset_hz = STACK.series_resonance_hz - NOMINAL_HZ;
     let spread_hz = 60.0;
     let (q, axis) = (STACK.q, Phasor::new(1.0, 0.0));

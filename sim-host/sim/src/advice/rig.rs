@@ -89,7 +89,7 @@ impl RehearsalRig {
 
     /// Starts the observer alone, cold, without its second integrator.
     pub fn start_without_rate(&self) -> Rehearsal {
-        let observer = Observer::new(self.bench.nominal_hz as f32, self.block_s as f32);
+        let observer = Observer::new(self.bench.nominal_hz as f32, self.block_s as f32, self.prior.offset_hz.1);
         self.begin(self.bench, Follower::WithoutRate(Box::new(observer)), &self.prior, 0.0, None)
     }
 

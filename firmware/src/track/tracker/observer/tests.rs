@@ -36,7 +36,7 @@ struct Loop {
 
 impl Loop {
     fn new(resonance_hz: f64, q: f64, nominal_lm: f64) -> Self {
-        let mut observer = Observer::new(NOMINAL_HZ as f32, BLOCK_S as f32);
+        let mut observer = Observer::new(NOMINAL_HZ as f32, BLOCK_S as f32, 1000.0);
         let axis = Phasor::new(1.0, 0.0);
         let offset_hz = (0.0, 1000.0);
         observer.start(&Prior {
@@ -165,6 +165,33 @@ fn a_ramp_is_followed() {
     assert!(worst < 1.5, "{worst}");
 }
 
+/// A start from a narrow prior does not bound the estimate later; the window of the drive does.
+#[test]
+fn a_drift_far_from_the_prior_is_followed_up_to_the_window() {
+    let mut run = Loop::new(39_800.0, 65.0, 1.0);
+    let prior = Prior {
+        offset_hz: (-200.0, 4.0),
+        q: 65.0,
+        lm_h: (LM_H as f32, 1e-3 * LM_H as f32),
+        axis: Phasor::new(1.0, 0.0),
+        noise_a: NOISE_A as f32,
+    };
+    run.observer.start(&prior);
+    run.settle(100, 4.0);
+    let mut worst = 0.0_f64;
+    while run.resonance_hz > 38_600.0 {
+        run.resonance_hz -= 1e3 * BLOCK_S;
+        worst = worst.max(run.tick().abs());
+    }
+    assert!(worst < 1.5, "{worst}");
+    // 1.5 times the window of 1 kHz is the end: the estimate stays there.
+    (0..4000).for_each(|_| {
+        run.resonance_hz -= 1e3 * BLOCK_S;
+        run.tick();
+    });
+    assert!(run.observer.offset_hz() == -1500.0 && run.observer.ahead_hz() == -1500.0, "{:?}", run.observer);
+}
+
 /// Over 60 starts the errors are a sixth to a third of the stated deviation: unlike the model, this
 /// resonance neither wanders nor leaks.
 #[test]
@@ -245,7 +272,7 @@ fn an_invalid_quality_factor_is_ignored() {
 /// The limit is five deviations, from the 17th block after a start or another opening.
 #[test]
 fn the_armed_gate_opens_beyond_five_deviations() {
-    let mut observer = Observer::new(NOMINAL_HZ as f32, BLOCK_S as f32);
+    let mut observer = Observer::new(NOMINAL_HZ as f32, BLOCK_S as f32, 1000.0);
     let variance = 4.0;
     for (calm, deviations, opens) in [(17, 5.1, true), (17, 4.9, false), (16, 50.0, false), (u32::MAX, 5.1, true)] {
         observer.calm = calm;
