@@ -67,13 +67,13 @@ fn the_self_test_plays_half_the_scan_voltage() {
 }
 
 #[test]
-fn idle_mutes_after_the_queued_codes() {
+fn idle_fades_after_the_queued_codes() {
     let mut queues = Queues::default();
     let mut bench = running(&mut queues, &Setup::default());
     let ordered = bench.played();
     assert_eq!(bench.ask(Command::Idle), Some(Reply::Ack));
     bench.blocks(50);
-    assert_eq!(last_driven(&mut bench), Some(ordered + LATENCY_BLOCKS as u64 - 1));
+    assert_eq!(last_driven(&mut bench), Some(ordered + LATENCY_BLOCKS as u64));
 }
 
 #[test]

@@ -26,15 +26,21 @@
 
 use core::mem;
 
-use crate::seam::compare::larger;
+use crate::seam::compare::{is_step, larger};
 use crate::seam::phasor::Phasor;
 
 /// Largest deviation of the voltage from its mean, relative.
 const VOLTAGE_TOLERANCE_REL: f32 = 0.15;
 /// Largest source resistance by which a change of the current may explain a voltage, ohm.
 const MAX_SOURCE_OHM: f32 = 5.0;
-/// Smallest voltage that a source may leave, relative to the mean.
+/// Smallest voltage that a source may leave, relative to the mean, under a current that has risen.
 const MIN_VOLTAGE_REL: f32 = 0.1;
+/// Smallest rise of the square of a current that a short makes.
+const MIN_RISE: f32 = 1.2;
+/// Voltage, relative to the mean, below which a ringing stack makes it unlike a tone.
+const TAKEN_REL: f32 = 0.5;
+/// Smallest voltage to which tolerances relate, relative to the drive.
+const LEAST_VOLTAGE_REL: f32 = 0.15;
 /// Longest delay between drive and voltage by which a change of the frequency may explain a
 /// voltage, s.
 const MAX_DELAY_S: f32 = 1e-4;
@@ -45,6 +51,8 @@ const OUT_OF_SEQUENCE_REL: f32 = 0.5;
 const MAX_VOLTAGE_RATIO: f32 = 1.2;
 /// Largest voltage relative to the voltage limit: 1.2 times the limit is dangerous.
 const MAX_LIMIT_RATIO: f32 = 1.15;
+/// Part of an earlier drive that counts as recent after one more check.
+const RECENT_REL: f32 = 0.97;
 /// Number of consecutive checks with an impossible voltage that raise a fault; every second block
 /// is checked.
 const BROKEN_CHECKS: u32 = 4;
@@ -131,6 +139,12 @@ pub(crate) struct Continuity {
     current: Phasor,
     /// Mean of the frequency offset, Hz.
     offset_hz: f32,
+    /// Square of the current in the last good check, A².
+    current_square: f32,
+    /// Largest drive, V, which decays by [`RECENT_REL`] per check.
+    recent_v: f32,
+    /// Drive four and two blocks ago, V.
+    past_v: [f32; 2],
     /// Last ordered offset, Hz, if nothing is tracked.
     ordered_hz: f32,
     /// Largest accepted square of `h`.
@@ -169,6 +183,9 @@ impl Continuity {
             voltage: Phasor::default(),
             current: Phasor::default(),
             offset_hz: 0.0,
+            current_square: 0.0,
+            recent_v: 0.0,
+            past_v: [0.0; 2],
             ordered_hz: 0.0,
             most_h_square: f32::INFINITY,
             checks: 0,
@@ -300,13 +317,22 @@ impl Continuity {
             self.past[0] = y;
         }
         let off = h - self.voltage;
-        let tolerated = VOLTAGE_TOLERANCE_REL * VOLTAGE_TOLERANCE_REL * self.voltage.norm_sqr();
-        let elsewhere = self.checks >= REFERENCE_CHECKS && off.norm_sqr() > tolerated && !self.explains(off, y, block.offset_hz);
-        if elsewhere || block.tracked && block.unexplained || h.norm_sqr() > self.most_h_square || block.v.norm_sqr() > self.limit
+        let tolerated = VOLTAGE_TOLERANCE_REL * VOLTAGE_TOLERANCE_REL * self.tolerance_square();
+        let elsewhere = self.checks >= REFERENCE_CHECKS && off.norm_sqr() > tolerated && !self.explains(off, block);
+        // A ringing stack also returns the voltage of an earlier, larger drive.
+        self.recent_v = larger(block.volts, RECENT_REL * self.recent_v);
+        let most_square = self.most_h_square * self.recent_v * self.recent_v;
+        // Near zero the voltage is no tone of constant amplitude.
+        let taken = self.is_taken_by_ringing(h, block, TAKEN_REL);
+        if elsewhere
+            || block.tracked && block.unexplained && !taken
+            || block.v.norm_sqr() > most_square
+            || block.v.norm_sqr() > self.limit
         {
             self.broken += 1;
         } else {
             self.broken = 0;
+            self.current_square = block.i.norm_sqr();
             self.learn(h, y, block.offset_hz);
         }
         self.broken >= BROKEN_CHECKS
@@ -330,11 +356,26 @@ impl Continuity {
         }
     }
 
+    /// Returns the square of the voltage to which tolerances relate, relative to the drive: that of
+    /// a stack which takes most of it from the source can pass zero.
+    #[inline]
+    fn tolerance_square(&self) -> f32 {
+        larger(self.voltage.norm_sqr(), LEAST_VOLTAGE_REL * LEAST_VOLTAGE_REL)
+    }
+
+    /// Returns `true` if `h` is below this part of its mean under a current that has not risen:
+    /// after a lower amplitude, the source loses its voltage to the current of the ringing stack.
+    /// A short would raise the current.
+    #[inline]
+    fn is_taken_by_ringing(&self, h: Phasor, block: &Steady, part: f32) -> bool {
+        h.norm_sqr() < part * part * self.voltage.norm_sqr() && block.i.norm_sqr() < MIN_RISE * self.current_square
+    }
+
     /// Returns `true` if a changed current or frequency explains the deviation `off` of `h`.
     #[cold]
     #[inline(never)]
-    fn explains(&self, off: Phasor, y: Phasor, offset_hz: f32) -> bool {
-        let more = y - self.current;
+    fn explains(&self, off: Phasor, block: &Steady) -> bool {
+        let more = block.i * (1.0 / block.volts) - self.current;
         let along = -(off * more.conj()).re;
         let most = MAX_SOURCE_OHM * more.norm_sqr();
         let left = if along >= most {
@@ -344,10 +385,12 @@ impl Continuity {
         } else {
             off
         };
-        let collapsed = (self.voltage + off).norm_sqr() < MIN_VOLTAGE_REL * MIN_VOLTAGE_REL * self.voltage.norm_sqr();
-        let turned = core::f32::consts::TAU * MAX_DELAY_S * (offset_hz - self.offset_hz).abs();
+        let h = self.voltage + off;
+        let collapsed = h.norm_sqr() < MIN_VOLTAGE_REL * MIN_VOLTAGE_REL * self.voltage.norm_sqr()
+            && !self.is_taken_by_ringing(h, block, 1.0);
+        let turned = core::f32::consts::TAU * MAX_DELAY_S * (block.offset_hz - self.offset_hz).abs();
         let tolerated = VOLTAGE_TOLERANCE_REL + turned;
-        !collapsed && left.norm_sqr() <= tolerated * tolerated * self.voltage.norm_sqr()
+        !collapsed && left.norm_sqr() <= tolerated * tolerated * self.tolerance_square()
     }
 
     /// Returns `true` if the motional current jumped between four and two blocks ago, from one
@@ -359,11 +402,14 @@ impl Continuity {
             return false;
         }
         let [first, before, after] = self.past;
-        self.past = [before, after, block.motional];
+        let [before_v, after_v] = self.past_v;
+        (self.past, self.past_v) = ([before, after, block.motional], [after_v, block.volts]);
         let (jump, came, goes_on) = (after - before, before - first, block.motional - after);
         let (size, least) = (jump.norm_sqr(), larger(block.i.norm_sqr(), before.norm_sqr()));
         let stays = LEVEL_REL * LEVEL_REL * size;
+        // The error of the motional current changes with the drive.
         self.steady >= JUMP_ARM_BLOCKS
+            && !is_step(before_v, after_v)
             && size > JUMP_REL * JUMP_REL * least
             && goes_on.norm_sqr() < stays
             && came.norm_sqr() < stays

@@ -216,7 +216,8 @@ impl Follow {
             return;
         }
         let steady = level && !generator.amplitude.limited() && track.tracker.state() == State::Locked;
-        let sample = online::Sample { sensed, relative: played.relative, detune_hz: played.detune_hz, steady };
+        let sample =
+            online::Sample { sensed, relative: played.relative, detune_hz: played.detune_hz, volts: played.volts, steady };
         let output = track.online.step(&sample);
         self.probe_hz = output.detune_hz;
         if let Some(update) = output.update {

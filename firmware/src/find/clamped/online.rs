@@ -20,6 +20,7 @@ mod balance;
 use crate::find::clamped::online::balance::{Balance, Side};
 use crate::find::clamped::reading::Measured;
 use crate::seam::block::LATENCY_BLOCKS;
+use crate::seam::compare::is_step;
 use crate::seam::config::Config;
 use crate::seam::phasor::Phasor;
 use crate::sense::demod::Sensed;
@@ -67,6 +68,8 @@ pub struct Sample<'a> {
     pub relative: f32,
     /// Intended distance from the lock point, Hz.
     pub detune_hz: f32,
+    /// Peak voltage of the drive, V.
+    pub volts: f32,
     /// `true` if the loop is locked at a constant envelope of one, within all limits, and nothing
     /// else moves it off the lock point.
     pub steady: bool,
@@ -126,6 +129,8 @@ pub struct Online {
     due: Due,
     /// Blocks of steady drive.
     steady: u32,
+    /// Peak voltage of the last block, V.
+    volts: f32,
 }
 
 /// Reason for a round.
@@ -172,6 +177,7 @@ impl Online {
             doubted: false,
             due: Due::Begun,
             steady: 0,
+            volts: 0.0,
         };
         online.set_resonance(resonance_hz, q);
         online
@@ -269,7 +275,8 @@ impl Online {
         self.settled = if stepped { 0 } else { self.settled.saturating_add(1) };
         self.last_hz = sample.detune_hz;
         let hold = self.settled < self.settle_blocks;
-        if !sample.steady {
+        let stepped = is_step(core::mem::replace(&mut self.volts, sample.volts), sample.volts);
+        if !sample.steady || stepped {
             self.stop();
             return Output { hold, ..Output::default() };
         }
