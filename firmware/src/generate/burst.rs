@@ -333,7 +333,7 @@ impl Burst {
         Envelope::Flat(if open { 1.0 } else { 0.0 })
     }
 
-    /// Ends the drive within one block, by a linear ramp from its last level to zero: an end between
+    /// Ends the drive within a block, by a linear ramp from its last level to zero: an end between
     /// zero crossings would draw a peak of current into the clamped capacitance. Closed, it stays
     /// closed.
     #[inline(never)]
