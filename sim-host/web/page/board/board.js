@@ -1,7 +1,9 @@
 // The screen of a connected board: read-only until it is armed. Its commands are lines of the script
 // grammar, and its answers those of the command line.
+import { unpacked } from "../core.js";
 import { byId, download, make } from "../dom.js";
-import { bursts } from "./bursts.js";
+import { showFigures } from "../figures.js";
+import { Bursts } from "./bursts.js";
 import { Connection, openSerial, unsupported } from "./connection.js";
 import { LiveView } from "./live-view.js";
 import { Recorder } from "./recorder.js";
@@ -57,7 +59,7 @@ export class Board {
         this.#complain(error.name === "NotFoundError" ? "No port was chosen." : error.message);
       }
     });
-    byId("b-simulate").addEventListener("click", () => this.#open({ scene: { name: byId("b-scene").value } }, `a simulated board, \`${byId("b-scene").value}\``));
+    byId("b-simulate").addEventListener("click", () => this.#open({ scene: { name: byId("b-scene").value, jumper: byId("b-jumper").checked } }, `a simulated board, \`${byId("b-scene").value}\``));
     byId("b-leave").addEventListener("click", () => { this.twin?.connection.leave(); this.connection?.leave(); });
     byId("b-stop").addEventListener("click", () => this.stop());
     // In the capture phase, before any other use of the key.
@@ -80,9 +82,11 @@ export class Board {
     byId("b-update").addEventListener("change", () => this.#update());
     byId("b-store").addEventListener("click", () => this.run("settings store\nreset").then(() => this.#listSettings()));
     byId("b-settings-panel").addEventListener("toggle", () => { if (byId("b-settings-panel").open) this.#listSettings(); });
+    byId("b-firmware").addEventListener("click", () => download("nucleo.bin", unpacked(byId("firmware").textContent), "application/octet-stream"));
+    byId("b-blank").hidden = !byId("firmware").textContent;
     byId("b-save-log").addEventListener("click", () => download("board-log.txt", byId("b-log").textContent));
     byId("b-save-script").addEventListener("click", () => download("commands.txt", `${this.commands.join("\n")}\n`));
-    bursts((line) => this.run(line));
+    this.bursts = new Bursts((script) => this.run(script).then(() => this.#listSettings()));
   }
 
   async #open(port, name) {
@@ -130,17 +134,22 @@ export class Board {
   #take(told) {
     switch (told.event) {
       case "connected":
-        byId("b-state").textContent = `Connected to ${this.name}, read-only.`;
+        byId("b-state").textContent = `Connected to ${this.name}.`;
         byId("b-identity").textContent = told.text;
         byId("b-warnings").replaceChildren();
         byId("b-motor").hidden = told.fields.lanes < MOTOR_LANES;
         for (const line of FIRST_LOOK) this.run(line, false);
+        this.connection.request({ ask: "parameters" });
         break;
       case "armed": this.armed = told.armed; this.#shape(); break;
       case "report": this.#report(told.report); break;
       case "answer": this.#answer(told); break;
       case "file": this.#keep(told.name, told.text); break;
-      case "parameters": this.settings.show(told.parameters); break;
+      case "figures": this.#showResult(told.figures); break;
+      case "parameters":
+        this.settings.show(told.parameters);
+        this.bursts.show(told.parameters);
+        break;
       case "note":
         this.#log(`  ${told.text}`);
         if (told.text.startsWith("warning")) this.#complain(told.text);
@@ -162,7 +171,8 @@ export class Board {
     this.tabs.release();
     this.#shape();
     byId("b-live").hidden = this.live.isEmpty;
-    byId("b-proposal").hidden = true;
+    for (const id of ["b-proposal", "b-result"]) byId(id).hidden = true;
+    byId("b-figures").replaceChildren();
     byId("b-state").textContent = error ? "The connection has ended." : "Disconnected.";
     this.#complain(error);
     if (error) this.#log(`error: ${error}`);
@@ -178,6 +188,21 @@ export class Board {
     const warnings = [...(fields.option_bytes_wrong ?? []).map((what) => `option bytes: ${what}`), ...(fields.accepts_development_key ? ["This board accepts updates by the development key, which is public."] : [])];
     for (const words of warnings) if (![...byId("b-warnings").children].some((item) => item.textContent === words)) byId("b-warnings").append(make("li", { class: "warning" }, words));
     if (line.startsWith("commission")) this.#propose(text);
+    this.answer = { line, text };
+    if (fields.passed === false) this.#complain(`The self-test has failed: ${fields.failures.join("; ")}`);
+  }
+
+  /** Shows the last answer with its files and figures; that of a commissioning has its own panel. */
+  #showResult(figures) {
+    const { line, text } = this.answer, command = line.split(" ")[0], ofIt = [...this.files].filter(([name]) => name.startsWith(`${command}/`));
+    if (command !== "commission") {
+      byId("b-result").hidden = false;
+      byId("b-result-title").textContent = `Result of \`${command}\``;
+      byId("b-answer").textContent = text.split("\n").filter((words) => !words.startsWith("written:")).join("\n");
+      this.#showFiles("b-result-files", ofIt);
+      byId("b-result").focus();
+    }
+    showFigures(byId("b-figures"), figures, (file) => this.files.get(`${command}/${file}`));
   }
 
   /** Runs lines; the first error is shown. */
@@ -225,12 +250,11 @@ export class Board {
     byId("b-proposal").focus();
   }
 
-  /** Keeps a file of a command: the loop of a scan is drawn, the others are offered. */
+  /** Keeps a file of a command: the loop of a scan is drawn, and all are offered. */
   #keep(name, text) {
     if (name === "scan/admittance.csv") this.live.showLoop(text);
-    if (!name.startsWith("commission/")) return;
     this.files.set(name, text);
-    this.#showFiles();
+    if (name.startsWith("commission/")) this.#showFiles("b-files", [...this.files].filter(([one]) => one.startsWith("commission/")));
   }
 
   async #accept() {
@@ -243,8 +267,8 @@ export class Board {
     this.#listSettings();
   }
 
-  #showFiles() {
-    byId("b-files").replaceChildren(...[...this.files].map(([name, text]) => make("button", { type: "button", onclick: () => download(name.replace("/", "-"), text) }, name.split("/").at(-1))));
+  #showFiles(place, files) {
+    byId(place).replaceChildren(...files.map(([name, text]) => make("button", { type: "button", onclick: () => download(name.replace("/", "-"), text) }, name.split("/").at(-1))));
   }
 
   async #startTwin() {
