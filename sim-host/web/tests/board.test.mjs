@@ -245,6 +245,39 @@ test("a second tab of a served page watches the board, and can stop it", async (
   server.close();
 });
 
+test("a wrong value is a message next to STOP, wherever the page is scrolled to", () => opened({ width: 390, height: 844 }, async (page) => {
+  await click(page, "b-simulate");
+  await armed(page);
+  const enter = (id, words) => page.value(`(() => { const field = document.getElementById('${id}') ?? document.querySelector('[data-form^="${id}"] input'); field.value = '${words}'; field.form.scrollIntoView(); field.form.requestSubmit(); })()`);
+  for (const [id, words, message] of [
+    ["b-low", "forty", "`forty` is not a frequency in kHz, such as 40 or 40.5"],
+    ["b-low", "50", "The band begins with the lower frequency: 50 kHz is not below 45 kHz"],
+    ["drive", "2 --stay", "`2--stay`: the unit `--stay` is unknown; expected volts, such as 2, 2V or 500mV"],
+    ["friction", "-1", "`-1`: expected a ratio from 0 to 1 (0.4), a force (0.05N), or `configured`"],
+  ]) {
+    await enter(id, words);
+    await page.until(`document.getElementById('b-error').textContent === ${JSON.stringify(message)}`);
+    const [above, below] = await page.value("['top', 'bottom'].map((end) => document.getElementById('b-error').getBoundingClientRect()[end])");
+    assert.ok(above > 0 && below < 844, `${message}: from ${above} to ${below}`);
+  }
+  // A decimal comma is a point.
+  await enter("drive", "1,5");
+  await page.until("document.getElementById('b-mode').textContent === 'run, locked'");
+  assert.equal(await page.value("document.getElementById('b-error').hidden"), true);
+}));
+
+test("the page has the firmware of an empty Nucleo", (context) => opened({}, async (page) => {
+  if (!(await text(page, "firmware"))) return context.skip("the page was packed without it");
+  const bytes = await page.value(`new Promise((resolve) => {
+    const address = URL.createObjectURL;
+    URL.createObjectURL = (blob) => { URL.createObjectURL = address; blob.arrayBuffer().then((whole) => resolve([...new Uint8Array(whole)])); return address.call(URL, blob); };
+    document.getElementById('b-firmware').click();
+  })`);
+  const image = Buffer.from(bytes), [stack, reset] = [image.readUInt32LE(0), image.readUInt32LE(4)];
+  assert.ok(stack > 0x20000000 && stack <= 0x20020000 && reset % 2 === 1 && reset > 0x08000000 && reset < 0x08000000 + image.length, `${stack} ${reset}`);
+  assert.ok(image.equals(await readFile(join(folder, "..", "web-parts", "nucleo.bin"))));
+}));
+
 test("a browser without the means for it has the simulator and a sentence", () => opened({
   prepare: (page) => page.send("Page.addScriptToEvaluateOnNewDocument", { source: "delete WebAssembly.Suspending; Object.defineProperty(navigator, 'serial', { value: undefined });" }),
 }, async (page) => {

@@ -19,16 +19,20 @@ const MAX_LOG = 400000;
 /** Number of lanes of a motor. */
 const MOTOR_LANES = 4;
 
+/** Returns the value of a field as one word of a command, with a decimal point. */
+const word = (input) => input.value.replace(/[\s#]+/g, "").replace(",", ".");
+
 export class Board {
   constructor(core) {
     this.core = core;
     this.connection = null;
     this.twin = null;
     this.live = new LiveView();
-    this.settings = new Settings((name, value) => this.run(`settings set ${name} ${value}`).then(() => this.#listSettings()));
+    this.settings = new Settings((name, input) => this.#runField(`settings set ${name} ${word(input)}`).then(() => this.#listSettings()));
     this.tabs = new Tabs({ onreport: (report, name) => this.#foreign(report, name), onstop: () => this.#stop() });
     this.#clear();
     this.#listen();
+    this.#shape();
     const why = unsupported({ serial: true });
     byId("b-unsupported").textContent = why ?? "";
     byId("b-unsupported").hidden = why === null;
@@ -72,7 +76,7 @@ export class Board {
     byId("b-accept").addEventListener("click", () => this.#accept());
     byId("b-twin").addEventListener("click", () => this.#startTwin());
     for (const button of document.querySelectorAll("[data-run]")) button.addEventListener("click", () => this.run(button.dataset.run));
-    for (const form of document.querySelectorAll("[data-form]")) form.addEventListener("submit", (event) => { event.preventDefault(); this.run(`${form.dataset.form} ${form.querySelector("input").value.trim()}`); });
+    for (const form of document.querySelectorAll("[data-form]")) form.addEventListener("submit", (event) => { event.preventDefault(); this.#runField(`${form.dataset.form}${word(form.querySelector("input"))}`); });
     byId("b-command-form").addEventListener("submit", (event) => {
       event.preventDefault();
       const line = byId("b-command").value.trim();
@@ -83,7 +87,6 @@ export class Board {
     byId("b-store").addEventListener("click", () => this.run("settings store\nreset").then(() => this.#listSettings()));
     byId("b-settings-panel").addEventListener("toggle", () => { if (byId("b-settings-panel").open) this.#listSettings(); });
     byId("b-firmware").addEventListener("click", () => download("nucleo.bin", unpacked(byId("firmware").textContent), "application/octet-stream"));
-    byId("b-blank").hidden = !byId("firmware").textContent;
     byId("b-save-log").addEventListener("click", () => download("board-log.txt", byId("b-log").textContent));
     byId("b-save-script").addEventListener("click", () => download("commands.txt", `${this.commands.join("\n")}\n`));
     this.bursts = new Bursts((script) => this.run(script).then(() => this.#listSettings()));
@@ -111,6 +114,10 @@ export class Board {
     const on = this.connection !== null;
     for (const id of ["b-live", "b-bar", "b-arm-panel", "b-acts"]) byId(id).hidden = !on;
     byId("b-connects").hidden = on;
+    byId("b-blank").hidden = on || !byId("firmware").textContent;
+    // Next to STOP an error is visible wherever the reader is on the page.
+    const place = byId(on ? "b-bar" : "b-errors");
+    if (byId("b-error").parentNode !== place) place.prepend(byId("b-error"));
     byId("b-leave").disabled = !on;
     document.body.classList.toggle("connected", on);
     for (const id of ["b-acts", "b-store", "b-accept"]) byId(id).disabled = !this.armed;
@@ -195,8 +202,8 @@ export class Board {
   /** Shows the last answer with its files and figures; that of a commissioning has its own panel. */
   #showResult(figures) {
     const { line, text } = this.answer, command = line.split(" ")[0], ofIt = [...this.files].filter(([name]) => name.startsWith(`${command}/`));
+    byId("b-result").hidden = command === "commission";
     if (command !== "commission") {
-      byId("b-result").hidden = false;
       byId("b-result-title").textContent = `Result of \`${command}\``;
       byId("b-answer").textContent = text.split("\n").filter((words) => !words.startsWith("written:")).join("\n");
       this.#showFiles("b-result-files", ofIt);
@@ -211,6 +218,7 @@ export class Board {
     this.#complain(null);
     if (/^(scan|commission)/.test(text)) this.live.beginScan();
     if (kept) this.commands.push(text);
+    byId("b-state").textContent = `\`${text.split("\n")[0]}\` …`;
     const mirrored = this.twin?.mirrors(text);
     const error = await this.connection.run(text);
     await mirrored;
@@ -230,14 +238,22 @@ export class Board {
     this.twin?.connection.stop();
   }
 
+  /** Runs a command with a typed value; an error is that of the value, without its place in a line. */
+  async #runField(line) {
+    const error = await this.run(line);
+    if (error?.startsWith("error: ")) this.#complain(error.split("\n")[0].replace(/^error: (invalid value '(.*?)' for '.*?':)?/, (_, invalid, value) => (invalid ? `\`${value}\`:` : "")).trim());
+    return error;
+  }
+
   async #commission() {
-    const hertz = (id) => {
-      const text = byId(id).value.trim(), kilohertz = Number(text.replace(",", "."));
-      return Number.isFinite(kilohertz) ? String(Math.round(1e6 * kilohertz) / 1e3) : text;
-    };
+    const [low, high] = ["b-low", "b-high"].map((id) => word(byId(id)));
+    const wrong = [low, high].find((kilohertz) => !(Number(kilohertz) > 0));
+    if (wrong !== undefined) return this.#complain(`\`${wrong}\` is not a frequency in kHz, such as 40 or 40.5`);
+    if (Number(low) >= Number(high)) return this.#complain(`The band begins with the lower frequency: ${low} kHz is not below ${high} kHz`);
+    const hertz = (kilohertz) => Math.round(1e6 * kilohertz) / 1e3;
     byId("b-proposal").hidden = true;
     this.files.clear();
-    const error = await this.run(`commission --band ${hertz("b-low")}:${hertz("b-high")} --max-volts ${byId("b-volts").value.trim()} -o commission`);
+    const error = await this.#runField(`commission --band ${hertz(low)}:${hertz(high)} --max-volts=${word(byId("b-volts"))} -o commission`);
     if (!error) byId("b-state").textContent = "Settings are proposed; the board has its former ones.";
   }
 
