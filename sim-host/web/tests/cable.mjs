@@ -91,40 +91,35 @@ export class ModelledBoard {
   sent = [];
   received = [];
   #unsent = [];
-  #count = 0;
   #turn = null;
 
   /** Starts the board of a scene, with a cable to a page that is not open yet. */
   static async start(page, scene) {
-    const board = Object.assign(new ModelledBoard(), { page, child: spawn(process.env.BRIDGE, [scene], { stdio: ["pipe", "pipe", "inherit"] }) });
-    createInterface({ input: board.child.stdout }).on("line", (line) => board.#answer(line));
-    const cable = await Cable.lay(page, null);
-    cable.onsend = (bytes) => { board.#unsent.push(bytes); board.#count += bytes.length; board.#advance(); };
-    cable.onturn = (turn) => { board.#turn = turn; board.#advance(); };
+    const board = new ModelledBoard(), cable = await Cable.lay(page, null);
     await page.send("Page.addScriptToEvaluateOnNewDocument", { source: IN_TURNS });
+    board.child = spawn(process.env.BRIDGE, [scene], { stdio: ["pipe", "pipe", "inherit"] });
+    createInterface({ input: board.child.stdout }).on("line", (line) => {
+      const [now_ms, bytes] = JSON.parse(line);
+      board.now_ms = now_ms;
+      board.received.push(...bytes);
+      page.send("Runtime.evaluate", { expression: `answerTurn(${now_ms}, "${Buffer.from(bytes).toString("base64")}", ${bytes.length})` }).catch(() => {});
+    });
+    cable.onsend = (bytes) => { board.#unsent.push(...bytes); board.#advance(); };
+    cable.onturn = (turn) => { board.#turn = turn; board.#advance(); };
     return board;
   }
 
-  /** Returns the bytes that the client of the command line sends and receives in a script, as text. */
+  /** Returns the bytes that the client of the command line sends and receives in a script. */
   static async dialogue(scene, script) {
-    const { stdout } = await promisify(execFile)(process.env.BRIDGE, [scene, script], { maxBuffer: 1 << 28 });
-    return stdout.trim().split("\n");
+    return JSON.parse((await promisify(execFile)(process.env.BRIDGE, [scene, script], { maxBuffer: 1 << 28 })).stdout);
   }
 
   /** Plays a turn once all bytes are here that the client has sent before it. */
   #advance() {
-    if (!this.#turn || this.#count < this.#turn.sent) return;
-    const bytes = Buffer.concat(this.#unsent);
-    this.sent.push(bytes);
-    this.child.stdin.write(`${this.#turn.ms} ${bytes.toString("hex")}\n`);
+    if (!this.#turn || this.sent.length + this.#unsent.length < this.#turn.sent) return;
+    this.child.stdin.write(`${JSON.stringify([this.#turn.ms, this.#unsent])}\n`);
+    this.sent.push(...this.#unsent);
     [this.#unsent, this.#turn] = [[], null];
-  }
-
-  #answer(line) {
-    const [now, hex] = line.split(" "), bytes = Buffer.from(hex, "hex");
-    this.now_ms = Number(now);
-    this.received.push(bytes);
-    this.page.send("Runtime.evaluate", { expression: `answerTurn(${now}, "${bytes.toString("base64")}", ${bytes.length})` }).catch(() => {});
   }
 
   stop() { this.child.kill(); }

@@ -146,7 +146,7 @@ export class Board {
         byId("b-warnings").replaceChildren();
         byId("b-motor").hidden = told.fields.lanes < MOTOR_LANES;
         for (const line of FIRST_LOOK) this.run(line, false);
-        this.connection.request({ ask: "parameters" });
+        this.#listSettings();
         break;
       case "armed": this.armed = told.armed; this.#shape(); break;
       case "report": this.#report(told.report); break;
@@ -309,7 +309,7 @@ export class Board {
   }
 
   #listSettings() {
-    if (this.connection && byId("b-settings-panel").open) this.connection.request({ ask: "parameters" });
+    this.connection?.request({ ask: "parameters" });
   }
 
   #report(report) {

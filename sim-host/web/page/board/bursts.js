@@ -16,13 +16,8 @@ const FIRST_S = [[0.005, 0.025], [0.04, 0.06], [0.075, 0.095]];
 const UNIT_S = 1e-6;
 const units = (seconds) => Math.round(seconds / UNIT_S);
 const seconds = (time) => plain(time * UNIT_S);
-
-/** Returns the script that stores these bursts, and starts a drive with them. */
-export function burstScript(bars) {
-  const ends = Array.from({ length: MAX_BURSTS }, (_, n) => bars[n] ?? [0, 0]);
-  const lines = ends.flatMap(([on, off], n) => [`settings set burst.on_${n + 1}_s ${seconds(on)}`, `settings set burst.off_${n + 1}_s ${seconds(off)}`]);
-  return ["stop", ...lines, "settings store", "reset", "lock"].join("\n");
-}
+/** Names of the settings of the bursts, in pairs of start and end. */
+const WINDOWS = Array.from({ length: MAX_BURSTS }, (_, n) => [`burst.on_${n + 1}_s`, `burst.off_${n + 1}_s`]);
 
 export class Bursts {
   constructor(store) {
@@ -32,11 +27,12 @@ export class Bursts {
     byId("b-span").replaceChildren(...SPANS_S.map((span) => make("option", { value: span, selected: span === SPANS_S[1] }, quantity(span, "s"))));
     byId("b-span").addEventListener("change", () => this.#draw());
     byId("b-add").addEventListener("click", () => this.#add());
-    byId("b-remove").addEventListener("click", () => this.#remove(this.chosen));
+    byId("b-remove").addEventListener("click", () => this.#splice(this.chosen, 1));
     byId("b-burst").addEventListener("submit", (event) => {
       event.preventDefault();
       this.edited = false;
-      store(burstScript(this.bars));
+      const lines = WINDOWS.flatMap((names, n) => names.map((name, end) => `settings set ${name} ${seconds(this.bars[n]?.[end] ?? 0)}`));
+      store(["stop", ...lines, "settings store", "reset", "lock"].join("\n"));
     });
     this.#draw();
   }
@@ -44,7 +40,7 @@ export class Bursts {
   /** Shows the bursts that the board has set, unless they are being edited here. */
   show(parameters) {
     const set = (name) => units(Number(parameters.find((one) => one.name === name)?.set ?? 0));
-    const bars = Array.from({ length: MAX_BURSTS }, (_, n) => [set(`burst.on_${n + 1}_s`), set(`burst.off_${n + 1}_s`)]).filter(([on, off]) => off > on);
+    const bars = WINDOWS.map((names) => names.map(set)).filter(([on, off]) => off > on);
     if (this.edited || !bars.length) return;
     this.bars = bars.sort(([a], [b]) => a - b);
     const fits = SPANS_S.find((span) => units(span) >= bars.at(-1)[1]);
@@ -78,17 +74,14 @@ export class Bursts {
     return ends.map((end, n) => [end - starts[n], n, starts[n]]).reduce((best, gap) => (gap[0] > best[0] ? gap : best));
   }
 
-  /** Adds a burst to the largest gap. */
+  /** Adds a burst to the longest gap. */
   #add() {
     const [length, n, from] = this.#gap, third = units(Number(((length * UNIT_S) / 3).toPrecision(2)));
-    this.bars.splice(n, 0, [from + third, from + 2 * third]);
-    this.chosen = n;
-    this.edited = true;
-    this.#draw();
+    this.#splice(n, 0, [from + third, from + 2 * third]);
   }
 
-  #remove(n) {
-    this.bars.splice(n, 1);
+  #splice(n, removed, ...added) {
+    this.bars.splice(n, removed, ...added);
     this.chosen = Math.max(0, Math.min(n, this.bars.length - 1));
     this.edited = true;
     this.#draw();
@@ -134,7 +127,7 @@ export class Bursts {
     const by = { ArrowRight: step, ArrowUp: step, ArrowLeft: -step, ArrowDown: -step, PageUp: 10 * step, PageDown: -10 * step, Home: -far, End: far }[event.key];
     if (by !== undefined) this.#shift(n, which, by);
     else if (event.key === "Delete" || event.key === "Backspace") {
-      this.#remove(n);
+      this.#splice(n, 1);
       this.parts[this.chosen]?.[0].focus();
     } else return;
     event.preventDefault();
