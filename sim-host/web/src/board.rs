@@ -282,7 +282,7 @@ mod tests {
         assert_eq!(listed.len(), firmware::board::parameters::PARAMETERS.len());
         let limit = listed.iter().find(|one| one["name"] == "limits.current_a").unwrap();
         assert!(
-            limit["meaning"].as_str().unwrap().contains("current") && limit["range"].as_str().unwrap().ends_with(" to 3"),
+            limit["meaning"].as_str().unwrap().contains("current") && limit["range"].as_str().unwrap().ends_with(" to 2.909091"),
             "{limit}"
         );
         // A scene has the others in another form.

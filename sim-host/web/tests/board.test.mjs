@@ -485,6 +485,7 @@ test("damaged frames are repeated, and a restarted board is a message", () => wi
   cable.take("open");
   await send(page, "status");
   await page.until("/obeys another session|no answer/.test(document.getElementById('b-error').textContent)");
+  await page.until("document.querySelector('#b-tiles dt').textContent === 'mode in the last report'");
   await click(page, "b-connect");
   await page.until(state("connected"));
 }));

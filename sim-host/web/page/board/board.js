@@ -57,6 +57,7 @@ export class Board {
   #listen() {
     byId("b-connect").addEventListener("click", async () => {
       this.#complain(null);
+      byId("b-state").textContent = "Not connected.";
       try {
         this.#open({ port: await openSerial() }, "the serial port");
       } catch (error) {
@@ -178,9 +179,10 @@ export class Board {
     this.tabs.release();
     this.#shape();
     byId("b-live").hidden = this.live.isEmpty;
+    this.live.end();
     for (const id of ["b-proposal", "b-result"]) byId(id).hidden = true;
     byId("b-figures").replaceChildren();
-    byId("b-state").textContent = error ? "The connection has ended." : "Disconnected.";
+    byId("b-state").textContent = error ? "The connection has ended. You can connect again." : "Disconnected.";
     this.#complain(error);
     if (error) this.#log(`error: ${error}`);
   }
