@@ -164,6 +164,9 @@ test("bursts are edited by mouse and keyboard, and the board gets the times of t
   await click(page, "b-add");
   const before = await bars(page);
   assert.deepEqual(before, [[0.052, 0.104], [0.1555, 0.215], [0.31, 0.405]]);
+  // The timeline always contains all bars.
+  await page.value("(() => { const span = document.getElementById('b-span'); span.value = '0.02'; span.dispatchEvent(new Event('change')); })()");
+  assert.equal(await page.value("document.getElementById('b-span').value"), "0.5");
   // The bar in the middle follows the mouse, and so does the end of the last one.
   const drag = async (name, pixels) => {
     const [x, y] = await page.value(`(() => { const one = document.querySelector('[aria-label="${name}"]'); one.scrollIntoView({ block: "center" }); const b = one.getBoundingClientRect(); return [b.x + b.width / 2, b.y + b.height / 2]; })()`);

@@ -52,6 +52,7 @@ export class Board {
     this.files = new Map();
     this.fault = null;
     this.looks = 0;
+    if (this.bursts) this.bursts.edited = false;
   }
 
   #listen() {

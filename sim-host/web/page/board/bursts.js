@@ -25,7 +25,7 @@ export class Bursts {
     this.edited = false;
     this.chosen = 0;
     byId("b-span").replaceChildren(...SPANS_S.map((span) => make("option", { value: span, selected: span === SPANS_S[1] }, quantity(span, "s"))));
-    byId("b-span").addEventListener("change", () => this.#draw());
+    byId("b-span").addEventListener("change", () => this.#fit(Number(byId("b-span").value)));
     byId("b-add").addEventListener("click", () => this.#add());
     byId("b-remove").addEventListener("click", () => this.#splice(this.chosen, 1));
     byId("b-burst").addEventListener("submit", (event) => {
@@ -43,8 +43,12 @@ export class Bursts {
     const bars = WINDOWS.map((names) => names.map(set)).filter(([on, off]) => off > on);
     if (this.edited || !bars.length) return;
     this.bars = bars.sort(([a], [b]) => a - b);
-    const fits = SPANS_S.find((span) => units(span) >= bars.at(-1)[1]);
-    if (fits) byId("b-span").value = fits;
+    this.#fit(0);
+  }
+
+  /** Shows the shortest timeline from a length on that contains all bars. */
+  #fit(least) {
+    byId("b-span").value = SPANS_S.find((span) => span >= least && units(span) >= (this.bars.at(-1)?.[1] ?? 0)) ?? SPANS_S.at(-1);
     this.#draw();
   }
 
