@@ -5,9 +5,10 @@
 //! cargo run --release -p sonoglide-board --example bridge -- SCENE [SCRIPT]
 //! ```
 //!
-//! Each line of the input, `[MS, BYTES]`, sends bytes and waits up to a time for an answer. Each line
-//! of the output, `[MS, BYTES]`, is the time of the board and the received bytes. With a script, the
-//! client of the command line runs it instead; the output is the bytes that it has sent and received.
+//! Each line of the input, `[MS, BYTES]`, sends bytes and waits up to a time for an answer. Each
+//! line of the output, `[MS, BYTES]`, is the time of the board and the received bytes. With a
+//! script, the client of the command line runs it instead; the output is the bytes that it has sent
+//! and received.
 
 use std::cell::RefCell;
 use std::error::Error;
