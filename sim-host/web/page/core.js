@@ -3,6 +3,9 @@
 
 import { unlzma } from "./lzma.js";
 
+/** Unpacks compressed text of the page. */
+export const unpacked = (packed) => unlzma(Uint8Array.from(atob(packed.trim()), (letter) => letter.charCodeAt(0)));
+
 /** An error in a scene, or a run without a result, with the message of the command line. */
 export class SimulatorError extends Error {}
 
@@ -19,10 +22,7 @@ export class Core {
     this.onprogress = () => {};
   }
 
-  static async #compile(packed) {
-    const bytes = Uint8Array.from(atob(packed.trim()), (letter) => letter.charCodeAt(0));
-    return WebAssembly.compile(unlzma(bytes));
-  }
+  static async #compile(packed) { return WebAssembly.compile(unpacked(packed)); }
 
   /** Starts a worker with the module. */
   async spawn() {

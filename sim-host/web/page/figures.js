@@ -38,12 +38,20 @@ function zoomable(figure) {
   return [card];
 }
 
-function section(figure, core) {
+function section(figure, csv) {
   const body = figure.map ? pathCanvas(figure, drawMap) : figure.path ? pathCanvas(figure) : zoomable(figure);
-  const save = make("button", { type: "button", class: "text", onclick: async () => download(`${figure.id}.csv`, await core.ask("file", `${figure.id}.csv`), "text/csv") }, "CSV");
+  const save = make("button", { type: "button", class: "text", onclick: async () => download(`${figure.id}.csv`, await csv(`${figure.id}.csv`), "text/csv") }, "CSV");
   save.setAttribute("aria-label", `${figure.title} as CSV`);
-  return make("figure", { id: `figure-${figure.id}`, class: "panel" },
+  return make("figure", { class: "panel" },
     make("h3", {}, figure.title), ...body, make("figcaption", {}, make("p", {}, figure.caption), save));
+}
+
+/** Shows figures in an element; `csv` returns the data of one by the name of its file. */
+export function showFigures(place, figures, csv) {
+  plots = [];
+  place.replaceChildren(...figures.filter((figure) => figure.map || figure.plots.some((plot) => plot.series.length)).map((figure) => section(figure, csv)));
+  // The library measures the element, so it must be in the page first.
+  for (const plot of plots) plot();
 }
 
 /** Shows tables and figures of a result. Figures are drawn when they become visible. */
@@ -54,11 +62,7 @@ export function showReport(result, core) {
   const words = make("section", { class: "panel" }, make("h3", {}, "About this scene"), result.subtitle ? make("p", {}, result.subtitle) : null, ...result.paragraphs.map((text) => make("p", {}, text)));
   byId("tables").replaceChildren(...blocks, words);
   byId("appendix").replaceChildren(...result.appendix.map((block) => make("section", {}, make("h3", {}, block.title), table(block))));
-  plots = [];
-  const figures = result.figures.filter((figure) => figure.map || figure.plots.some((plot) => plot.series.length));
-  byId("figures").replaceChildren(...figures.map((figure) => section(figure, core)));
-  // The library measures the element, so it must be in the page first.
-  for (const plot of plots) plot();
+  showFigures(byId("figures"), result.figures, (name) => core.ask("file", name));
 }
 
 /** Shows the admittance loop next to the scope, if the run has identified its transducer. */

@@ -33,6 +33,7 @@ use link::session::{Live, Session, SessionOptions};
 use serde_json::{Value, json};
 
 use self::tapped::Tapped;
+use crate::figures::figure;
 
 pub use mailbox::{Request, tell};
 #[cfg(target_arch = "wasm32")]
@@ -168,6 +169,10 @@ fn run(text: &str, armed: bool, session: &mut Session) -> Result<(), LinkError> 
         for (name, text) in files::take() {
             tell(&json!({ "event": "file", "name": name, "text": text }));
         }
+        let figures: Vec<Value> = files::take_figures().iter().map(figure).collect();
+        if !figures.is_empty() {
+            tell(&json!({ "event": "figures", "figures": figures }));
+        }
         Ok(())
     });
     if session.client.session() != session_before {
@@ -181,6 +186,7 @@ mod tests {
     use std::cell::RefCell;
     use std::rc::Rc;
 
+    use link::as_on_board::adapted;
     use link::port::Simulated;
     use link::simulated_board::SimulatedBoard;
     use scene::load::load;
@@ -196,7 +202,7 @@ mod tests {
     const HASHES: &str = include_str!("../tests/dialogue.hash");
 
     fn port() -> Box<dyn Port> {
-        let loaded = load("lock", &[]).unwrap();
+        let (loaded, _) = adapted(load("lock", &[]).unwrap()).unwrap();
         let board = SimulatedBoard::new(&loaded.scene.driven().unwrap(), 0).unwrap();
         Box::new(Simulated::new("sim:lock", Rc::new(RefCell::new(board)), false))
     }
@@ -276,7 +282,7 @@ mod tests {
         assert_eq!(listed.len(), firmware::board::parameters::PARAMETERS.len());
         let limit = listed.iter().find(|one| one["name"] == "limits.current_a").unwrap();
         assert!(
-            limit["meaning"].as_str().unwrap().contains("current") && limit["range"].as_str().unwrap().ends_with(" to 3"),
+            limit["meaning"].as_str().unwrap().contains("current") && limit["range"].as_str().unwrap().ends_with(" to 2.909091"),
             "{limit}"
         );
         // A scene has the others in another form.

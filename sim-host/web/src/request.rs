@@ -18,6 +18,10 @@ pub struct Request {
     /// `true` to run the scene's grid and comparison as well.
     #[serde(default)]
     pub whole: bool,
+    /// `true` for a bare Nucleo with the wires of the self-test, instead of the scene's plant at a
+    /// simulated board.
+    #[serde(default)]
+    pub jumper: bool,
 }
 
 impl Request {
@@ -40,7 +44,7 @@ impl Request {
 }
 
 /// Formats an error as on the command line.
-fn message(error: &LoadError) -> String {
+pub(crate) fn message(error: &LoadError) -> String {
     match error {
         LoadError::Invalid(report) => report.render(false),
         error => format!("error: {error}"),

@@ -2,7 +2,7 @@
 // a stand-in for a serial port with a board that `sim-host link ... serve` simulates.
 import assert from "node:assert/strict";
 import { once } from "node:events";
-import { mkdir, readFile } from "node:fs/promises";
+import { mkdir, readFile, writeFile } from "node:fs/promises";
 import { createServer } from "node:http";
 import { join, resolve } from "node:path";
 import { after, before, test } from "node:test";
@@ -10,7 +10,7 @@ import { setTimeout as sleep } from "node:timers/promises";
 import { pathToFileURL } from "node:url";
 
 import { Browser } from "./browser.mjs";
-import { Cable, ServedBoard } from "./cable.mjs";
+import { Cable, ModelledBoard, ServedBoard } from "./cable.mjs";
 
 const folder = resolve(process.env.SONOGLIDE_PAGE ?? "target/web");
 const address = `${pathToFileURL(join(folder, "sonoglide.html")).href}#board`;
@@ -139,26 +139,86 @@ test("a recording has the signals of the drive, and the commands are a script", 
   assert.equal(await saved("b-save-script"), "scan -o scan\ndrive --volts 1 --for 0.2\n");
 }));
 
-test("bursts are set on a timeline, and a file that is not an update is refused", () => opened({}, async (page) => {
+/** Returns the bursts that the bars show, s: start and end of each. */
+const bars = (page) => page.value("[...document.querySelectorAll('#b-timeline .move')].map((one, n) => ['start', 'end'].map((end) => Number(document.querySelector(`#b-timeline [aria-label=\"Burst ${n + 1}, ${end}\"]`).getAttribute('aria-valuenow'))))");
+
+test("bursts are edited by mouse and keyboard, and the board gets the times of the bars", { timeout: 120000 }, () => opened({}, async (page) => {
   await page.value("document.getElementById('b-scene').value = 'lock'");
   await click(page, "b-simulate");
   await armed(page);
-  await send(page, "drive --volts 1");
-  await page.until("document.getElementById('b-mode').textContent === 'run, locked'");
-  const before = await text(page, "b-on-is");
-  await page.value("document.getElementById('b-on').focus()");
-  await page.key("Home");
-  await page.key("ArrowRight");
-  assert.notEqual(await text(page, "b-on-is"), before);
-  assert.match(await page.value("document.getElementById('b-timeline').ariaLabel ?? document.getElementById('b-timeline').getAttribute('aria-label')"), /^3 bursts of 1 ms, pauses of 50 ms$/);
+  const focus = (name) => page.value(`document.querySelector('[aria-label="${name}"]').focus()`);
+  const press = async (name, ...keys) => { await focus(name); for (const [key, modifiers] of keys) await page.key(key, modifiers); };
+  const SHIFT = 8;
+  // The board has the bursts of its scene.
+  await page.until("document.querySelectorAll('#b-timeline .move').length === 2");
+  assert.deepEqual(await bars(page), [[0.15, 0.22], [0.26, 0.3]]);
+  await press("Burst 1, start", ["ArrowRight"], ["ArrowRight", SHIFT]);
+  await press("Burst 1, end", ["ArrowLeft"]);
+  await press("Burst 2, position", ["ArrowLeft"], ["ArrowLeft"]);
+  assert.deepEqual((await bars(page)).slice(0, 2), [[0.1555, 0.215], [0.25, 0.29]]);
+  // Neighbours are limits.
+  await press("Burst 2, position", ["Home"]);
+  assert.deepEqual((await bars(page))[1], [0.215, 0.255]);
+  await press("Burst 2, end", ["Delete"]);
+  await click(page, "b-add");
+  await click(page, "b-add");
+  const before = await bars(page);
+  assert.deepEqual(before, [[0.052, 0.104], [0.1555, 0.215], [0.31, 0.405]]);
+  // The timeline always contains all bars.
+  await page.value("(() => { const span = document.getElementById('b-span'); span.value = '0.02'; span.dispatchEvent(new Event('change')); })()");
+  assert.equal(await page.value("document.getElementById('b-span').value"), "0.5");
+  // The bar in the middle follows the mouse, and so does the end of the last one.
+  const drag = async (name, pixels) => {
+    const [x, y] = await page.value(`(() => { const one = document.querySelector('[aria-label="${name}"]'); one.scrollIntoView({ block: "center" }); const b = one.getBoundingClientRect(); return [b.x + b.width / 2, b.y + b.height / 2]; })()`);
+    for (const [type, at] of [["mousePressed", x], ["mouseMoved", x + pixels / 2], ["mouseMoved", x + pixels], ["mouseReleased", x + pixels]]) await page.send("Input.dispatchMouseEvent", { type, x: at, y, button: "left", buttons: 1, clickCount: 1 });
+  };
+  await drag("Burst 2, position", 9);
+  await drag("Burst 3, end", 12);
+  const shown = await bars(page), width = await page.value("document.getElementById('b-timeline').clientWidth");
+  const moved = Math.round((1000 * 9) / width) * 5e-4, longer = Math.round((1000 * 12) / width) * 5e-4;
+  const micro = (time) => Math.round(1e6 * time);
+  assert.deepEqual(shown.flat().map(micro), [before[0], before[1].map((time) => time + moved), [before[2][0], before[2][1] + longer]].flat().map(micro));
+  await page.picture(join(folder, "pictures", "board-bursts.png"));
   await submit(page, "b-burst");
-  await logged(page, "> burst --on 0.001 --off 0.05 --count 3", 20000);
+  await page.until("document.getElementById('b-mode').textContent === 'run, locked'", 20000);
   assert.equal(await text(page, "b-error"), "");
+  await send(page, "settings get burst");
+  await logged(page, "> settings get burst");
+  const log = await text(page, "b-log");
+  const active = (n, end) => Number(new RegExp(`burst\\.${end}_${n}_s +(\\S+)`).exec(log.slice(log.indexOf("> settings get burst")))[1]);
+  assert.deepEqual(Array.from({ length: 8 }, (_, n) => [active(n + 1, "on"), active(n + 1, "off")]), Array.from({ length: 8 }, (_, n) => shown[n] ?? [0, 0]));
   await page.key("Escape");
   await page.until("document.getElementById('b-mode').textContent === 'idle'");
   await page.value("(() => { const files = new DataTransfer(); files.items.add(new File(['no update'], 'a.bin')); const i = document.getElementById('b-update'); i.files = files.files; i.dispatchEvent(new Event('change')); })()");
   await page.until("document.getElementById('b-error').textContent.includes('this is not an update: it is too short')");
 }));
+
+test("the self-test of a bare board shows its figures, and a failure", { timeout: 120000 }, async () => {
+  await opened({}, async (page) => {
+    await page.value("document.getElementById('b-scene').value = 'dummy-load'");
+    await click(page, "b-jumper");
+    await click(page, "b-simulate");
+    await page.until(state("connected"));
+    await send(page, "selftest");
+    await page.until("document.getElementById('b-error').textContent.includes('`selftest` acts on the board: arm this connection first')");
+    await armed(page);
+    await page.value("document.querySelector('[data-run^=selftest]').click()");
+    await page.until("!document.getElementById('b-result').hidden", 30000);
+    assert.match(await text(page, "b-answer"), /gain       V (2\.00|1\.99)\d+, I (2\.00|1\.99)\d+ codes per code of the DAC[^]*\npassed\n$/);
+    assert.equal(await text(page, "b-error"), "");
+    assert.deepEqual(await page.value("[...document.querySelectorAll('#b-figures h3')].map((one) => one.textContent)"), ["Tone of the self-test", "Codes at rest"]);
+    assert.equal(await page.value("document.querySelectorAll('#b-figures .uplot').length"), 2);
+    assert.match(await text(page, "b-result-files"), /selftest\.json/);
+    await page.picture(join(folder, "pictures", "board-selftest.png"));
+  });
+  await opened({}, async (page) => {
+    await page.value("document.getElementById('b-scene').value = 'dummy-load'");
+    await click(page, "b-simulate");
+    await armed(page);
+    await page.value("document.querySelector('[data-run^=selftest]').click()");
+    await page.until("/self-test|played no tone/.test(document.getElementById('b-error').textContent)", 30000);
+  });
+});
 
 test("a second tab of a served page watches the board, and can stop it", async () => {
   const server = createServer(async (_, response) => response.end(await readFile(join(folder, "sonoglide.html")))).listen(0, "127.0.0.1");
@@ -188,6 +248,39 @@ test("a second tab of a served page watches the board, and can stop it", async (
   server.close();
 });
 
+test("a wrong value is a message next to STOP, wherever the page is scrolled to", () => opened({ width: 390, height: 844 }, async (page) => {
+  await click(page, "b-simulate");
+  await armed(page);
+  const enter = (id, words) => page.value(`(() => { const field = document.getElementById('${id}') ?? document.querySelector('[data-form^="${id}"] input'); field.value = '${words}'; field.form.scrollIntoView(); field.form.requestSubmit(); })()`);
+  for (const [id, words, message] of [
+    ["b-low", "forty", "`forty` is not a frequency in kHz, such as 40 or 40.5"],
+    ["b-low", "50", "The band begins with the lower frequency: 50 kHz is not below 45 kHz"],
+    ["drive", "2 --stay", "`2--stay`: the unit `--stay` is unknown; expected volts, such as 2, 2V or 500mV"],
+    ["friction", "-1", "`-1`: expected a ratio from 0 to 1 (0.4), a force (0.05N), or `configured`"],
+  ]) {
+    await enter(id, words);
+    await page.until(`document.getElementById('b-error').textContent === ${JSON.stringify(message)}`);
+    const [above, below] = await page.value("['top', 'bottom'].map((end) => document.getElementById('b-error').getBoundingClientRect()[end])");
+    assert.ok(above > 0 && below < 844, `${message}: from ${above} to ${below}`);
+  }
+  // A decimal comma is a point.
+  await enter("drive", "1,5");
+  await page.until("document.getElementById('b-mode').textContent === 'run, locked'");
+  assert.equal(await page.value("document.getElementById('b-error').hidden"), true);
+}));
+
+test("the page has the firmware of an empty Nucleo", (context) => opened({}, async (page) => {
+  if (!(await text(page, "firmware"))) return context.skip("the page was packed without it");
+  const bytes = await page.value(`new Promise((resolve) => {
+    const address = URL.createObjectURL;
+    URL.createObjectURL = (blob) => { URL.createObjectURL = address; blob.arrayBuffer().then((whole) => resolve([...new Uint8Array(whole)])); return address.call(URL, blob); };
+    document.getElementById('b-firmware').click();
+  })`);
+  const image = Buffer.from(bytes), [stack, reset] = [image.readUInt32LE(0), image.readUInt32LE(4)];
+  assert.ok(stack > 0x20000000 && stack <= 0x20020000 && reset % 2 === 1 && reset > 0x08000000 && reset < 0x08000000 + image.length, `${stack} ${reset}`);
+  assert.ok(image.equals(await readFile(join(folder, "..", "web-parts", "nucleo.bin"))));
+}));
+
 test("a browser without the means for it has the simulator and a sentence", () => opened({
   prepare: (page) => page.send("Page.addScriptToEvaluateOnNewDocument", { source: "delete WebAssembly.Suspending; Object.defineProperty(navigator, 'serial', { value: undefined });" }),
 }, async (page) => {
@@ -195,29 +288,71 @@ test("a browser without the means for it has the simulator and a sentence", () =
   assert.equal(await page.value("document.getElementById('b-connect').disabled && document.getElementById('b-simulate').disabled"), true);
 }));
 
-test("an unknown transducer is tuned in six clicks", { timeout: 120000 }, () => wired("transducer-skymen-60w", async (page, cable, board) => {
-  const began = Date.now();
+/** Tunes the board at the cable to an unknown transducer; `clock` returns a time, s. */
+async function tune(page, clock, limit) {
+  const began = clock();
   await click(page, "b-connect");
-  await page.until(state("connected"));
+  await page.until(state("connected"), limit);
   await click(page, "b-arm");
-  await page.until(state("armed"));
+  await page.until(state("armed"), limit);
   await type(page, "b-low", "30");
   await type(page, "b-high", "50");
   await type(page, "b-volts", "3");
   await submit(page, "b-commission");
-  await page.until("!document.getElementById('b-proposal').hidden", 90000);
+  await page.until("!document.getElementById('b-proposal').hidden", limit);
   assert.match(await text(page, "b-proposed"), /proposed settings, and their effect or uncertainty/);
   await page.until("!document.getElementById('b-loop-panel').hidden");
   await page.picture(join(folder, "pictures", "board-tuned.png"));
   await click(page, "b-accept");
-  await page.until("document.body.dataset.tuned === 'yes'", 30000);
-  const seconds = (Date.now() - began) / 1000, clicks = await page.value("clicks");
+  await page.until("document.body.dataset.tuned === 'yes'", limit);
+  const seconds = clock() - began, clicks = await page.value("clicks");
   console.log(`tuned in ${seconds.toFixed(1)} s and ${clicks} clicks`);
   assert.ok(clicks <= 6 && seconds <= 90, `${clicks} clicks, ${seconds} s`);
+}
+
+test("an unknown transducer is tuned in six clicks", { timeout: 120000 }, () => wired("transducer-skymen-60w", async (page, cable, board) => {
+  await tune(page, () => Date.now() / 1000, 90000);
   await click(page, "b-leave");
   await page.until("document.getElementById('b-state').textContent.startsWith('Disconnected')");
   const lock = await board.ask("lock");
   assert.ok(Math.abs(lock.frequency_hz - 40038.8) < 30, JSON.stringify(lock));
+}));
+
+/** Opens a page with a cable to the modelled board with the flashed image. */
+async function modelled(scene, look, atOnce = null) {
+  let board;
+  const prepare = async (page) => {
+    board = await ModelledBoard.start(page, scene);
+    if (atOnce) await page.send("Page.addScriptToEvaluateOnNewDocument", { source: `globalThis.requestsAtOnce = ${JSON.stringify(atOnce)}` });
+  };
+  await opened({ prepare }, (page) => look(page, board)).finally(() => board?.stop());
+}
+const inThorough = { timeout: 1800000, skip: process.env.BRIDGE ? false : "the flashed image is tested by .ci/thorough" };
+
+test("the flashed image has the dialogue of the command line, byte for byte", inThorough, async () => {
+  const lines = `identify\n${await readFile(new URL("dialogue.txt", import.meta.url), "utf8")}`, script = join(folder, "dialogue.txt");
+  await writeFile(script, lines);
+  const expected = ModelledBoard.dialogue("lock", script);
+  // The first line is part of every connection.
+  const requests = [{ ask: "arm", armed: true }, { ask: "lines", id: 0, text: lines.replace("identify\n", "") }, { ask: "leave" }];
+  await modelled("lock", async (page, board) => {
+    await click(page, "b-connect");
+    await page.until("document.getElementById('b-state').textContent === 'Disconnected.'", 900000);
+    const { sent, received } = board;
+    console.log(`${sent.length} bytes sent and ${received.length} received in ${(1e-3 * board.now_ms).toFixed(2)} s of the board`);
+    assert.ok(sent.length > 1000 && received.length > 1000);
+    assert.deepEqual([sent, received], await expected);
+  }, requests);
+});
+
+test("the flashed image is tuned to an unknown transducer in six clicks", inThorough, () => modelled("transducer-skymen-60w", async (page, board) => {
+  await tune(page, () => 1e-3 * board.now_ms, 900000);
+  await send(page, "lock");
+  await page.until("document.getElementById('b-mode').textContent === 'run, locked'", 900000);
+  const frequency = Number(/resonance at (\S+) Hz|locked at (\S+) Hz/.exec(await text(page, "b-log"))?.slice(1).find(Boolean));
+  assert.ok(Math.abs(frequency - 40038.8) < 30, `${frequency} Hz`);
+  await click(page, "b-leave");
+  await page.until("document.getElementById('b-state').textContent === 'Disconnected.'", 900000);
 }));
 
 test("a page that only reads leaves the drive of another host running", () => wired("lock", async (page, cable, board) => {
@@ -353,6 +488,7 @@ test("damaged frames are repeated, and a restarted board is a message", () => wi
   cable.take("open");
   await send(page, "status");
   await page.until("/obeys another session|no answer/.test(document.getElementById('b-error').textContent)");
+  await page.until("document.querySelector('#b-tiles dt').textContent === 'mode in the last report'");
   await click(page, "b-connect");
   await page.until(state("connected"));
 }));
@@ -374,7 +510,7 @@ test("the twin runs next to the board, and settings are compared", { timeout: 12
   await page.value("document.getElementById('b-settings-panel').open = true");
   await page.until("document.querySelectorAll('#b-settings tr').length > 50", 30000);
   await page.value("(() => { const s = document.getElementById('b-differ'); s.value = 'default'; s.dispatchEvent(new Event('change')); })()");
-  assert.match(await text(page, "b-settings"), /tracking\.nominal_q/);
+  await page.until("document.getElementById('b-settings').textContent.includes('tracking.nominal_q')");
   await page.picture(join(folder, "pictures", "board-settings.png"));
 }));
 

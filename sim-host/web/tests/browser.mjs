@@ -103,7 +103,7 @@ export class Page {
   }
 
   async key(key, modifiers = 0) {
-    const codes = { Tab: 9, Escape: 27, Enter: 13, " ": 32, ArrowRight: 39, ArrowLeft: 37, Home: 36 };
+    const codes = { Tab: 9, Escape: 27, Enter: 13, " ": 32, ArrowRight: 39, ArrowLeft: 37, Home: 36, Delete: 46 };
     const event = { key, code: key === " " ? "Space" : key, windowsVirtualKeyCode: codes[key], modifiers, text: key === "Enter" ? "\r" : key === " " ? " " : undefined };
     await this.send("Input.dispatchKeyEvent", { type: event.text ? "keyDown" : "rawKeyDown", ...event });
     await this.send("Input.dispatchKeyEvent", { type: "keyUp", ...event, text: undefined });

@@ -2,6 +2,7 @@
 // whose bytes go to a TCP port.
 import { execFile, spawn } from "node:child_process";
 import { connect } from "node:net";
+import { createInterface } from "node:readline";
 import { promisify } from "node:util";
 
 const SIM_HOST = process.env.SIM_HOST ?? "target/release/sim-host";
@@ -47,6 +48,83 @@ const STAND_IN = `(() => {
   Object.defineProperty(navigator, "serial", { value: { requestPort: async () => port } });
 })()`;
 
+/** Script of the page that lets the time of the client be that of a board, which advances only in turns. */
+const IN_TURNS = `(() => {
+  const inWorker = () => {
+    let now = 0, sent = 0, received = 0, expected = 0, answered = false;
+    const { sonoglideSend } = self, { bytes } = messages;
+    self.sonoglideSend = (chunk) => { sent += chunk.length; sonoglideSend(chunk); };
+    self.sonoglideNow = () => now;
+    self.sonoglideRandom = () => Math.round(1e6 * now) % 2 ** 32;
+    messages.bytes = (chunk) => { received += chunk.length; bytes(chunk); };
+    messages.answer = (answer) => { now = answer.now; expected += answer.count; answered = true; link.wake(); };
+    self.sonoglideWait = (ms) => new Promise((resolve) => {
+      answered = reason() !== 0;
+      if (!answered) self.postMessage({ turn: { ms, sent } });
+      link.wake = () => {
+        if (!answered || received < expected) return;
+        link.wake = null;
+        resolve(reason());
+        link.interrupted = false;
+      };
+      link.wake();
+    });
+  };
+  let worker = null;
+  globalThis.Worker = class extends Worker {
+    constructor(address) {
+      super(address);
+      this.addEventListener("message", ({ data: { turn } }) => { if (turn) { worker = this; toBoard("turn " + JSON.stringify(turn)); } });
+    }
+    postMessage(message, transfer) {
+      if (message.connect) for (const request of globalThis.requestsAtOnce ?? []) super.postMessage({ request });
+      super.postMessage(message, transfer);
+    }
+  };
+  globalThis.answerTurn = (now, text, count) => { worker.postMessage({ answer: { now, count } }); if (count) fromBoard(text); };
+  document.addEventListener("readystatechange", () => { if (document.readyState === "interactive") document.getElementById("worker-text").append("(" + inWorker + ")();"); });
+})()`;
+
+/** A modelled board with the flashed image, whose time advances only while its client waits. */
+export class ModelledBoard {
+  now_ms = 0;
+  sent = [];
+  received = [];
+  #unsent = [];
+  #turn = null;
+
+  /** Starts the board of a scene, with a cable to a page that is not open yet. */
+  static async start(page, scene) {
+    const board = new ModelledBoard(), cable = await Cable.lay(page, null);
+    await page.send("Page.addScriptToEvaluateOnNewDocument", { source: IN_TURNS });
+    board.child = spawn(process.env.BRIDGE, [scene], { stdio: ["pipe", "pipe", "inherit"] });
+    createInterface({ input: board.child.stdout }).on("line", (line) => {
+      const [now_ms, bytes] = JSON.parse(line);
+      board.now_ms = now_ms;
+      board.received.push(...bytes);
+      page.send("Runtime.evaluate", { expression: `answerTurn(${now_ms}, "${Buffer.from(bytes).toString("base64")}", ${bytes.length})` }).catch(() => {});
+    });
+    cable.onsend = (bytes) => { board.#unsent.push(...bytes); board.#advance(); };
+    cable.onturn = (turn) => { board.#turn = turn; board.#advance(); };
+    return board;
+  }
+
+  /** Returns the bytes that the client of the command line sends and receives in a script. */
+  static async dialogue(scene, script) {
+    return JSON.parse((await promisify(execFile)(process.env.BRIDGE, [scene, script], { maxBuffer: 1 << 28 })).stdout);
+  }
+
+  /** Plays a turn once all bytes are here that the client has sent before it. */
+  #advance() {
+    if (!this.#turn || this.sent.length + this.#unsent.length < this.#turn.sent) return;
+    this.child.stdin.write(`${JSON.stringify([this.#turn.ms, this.#unsent])}\n`);
+    this.sent.push(...this.#unsent);
+    [this.#unsent, this.#turn] = [[], null];
+  }
+
+  stop() { this.child.kill(); }
+}
+
 export class Cable {
   /** Bytes of the page, each with its time. */
   sent = [];
@@ -71,6 +149,7 @@ export class Cable {
       this.socket.on("data", (bytes) => this.give(bytes)).on("error", () => {});
       return undefined;
     }
+    if (payload.startsWith("turn ")) return this.onturn(JSON.parse(payload.slice(5)));
     const bytes = Buffer.from(payload, "base64");
     this.sent.push({ at: Date.now(), bytes });
     return this.onsend ? this.onsend(bytes, this) : this.socket?.write(bytes);

@@ -80,6 +80,8 @@ pub fn page(parts: &Parts) -> Result<String> {
         format!("/*\n{}*/\n{}", read("../../report/assets/uPlot.LICENSE")?, read("../../report/assets/uPlot.iife.min.js")?);
     let plots = [library, read("../../report/assets/report.js")?, read("../../report/assets/crash.js")?].join("\n");
     let worker = [parts.core.glue.clone(), read("worker.js")?, read("board/link-worker.js")?].join("\n");
+    let firmware = &parts.core.firmware;
+    let firmware = if firmware.is_empty() { String::new() } else { STANDARD.encode(lzma(firmware)?) };
     let mut page = read("index.html")?;
     for (mark, text) in [
         ("<!-- board -->\n", &read("board/board.html")?),
@@ -88,6 +90,7 @@ pub fn page(parts: &Parts) -> Result<String> {
         ("/* worker */", &script(&worker)),
         ("/* hosts */", &script(parts.core.hosts.trim())),
         ("/* wasm */", &STANDARD.encode(lzma(&parts.core.wasm)?)),
+        ("/* firmware */", &firmware),
         ("/* page */", &script(&modules)),
         ("/* commit */", &commit()),
     ] {

@@ -16,9 +16,14 @@ pub struct Core {
     pub wasm: Vec<u8>,
     /// Drive hashes of the built-in scenes, as JSON.
     pub hosts: String,
+    /// Bytes of the flash of a Nucleo; empty if the target of the image is not installed.
+    pub firmware: Vec<u8>,
 }
 
 const TARGET: &str = "wasm32-unknown-unknown";
+const BOARD_TARGET: &str = "thumbv7em-none-eabihf";
+/// Name of the image in the folder of the parts.
+const FIRMWARE: &str = "nucleo.bin";
 
 fn cargo(arguments: &[&str], target: &Path) -> Command {
     let mut cargo = Command::new(env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
@@ -31,7 +36,8 @@ fn folder(target: &Path) -> PathBuf {
     target.join("web-parts")
 }
 
-/// Compiles the package `sonoglide-web`, generates its glue, and runs the built-in scenes.
+/// Compiles the package `sonoglide-web`, generates its glue, runs the built-in scenes, and builds
+/// the image of the board.
 pub fn compile(target: &Path) -> Result<()> {
     let build = ["build", "--package", "sonoglide-web", "--lib", "--profile", "web", "--target", TARGET];
     let status = cargo(&build, target).status().context("cargo cannot be started")?;
@@ -48,7 +54,29 @@ pub fn compile(target: &Path) -> Result<()> {
     let run = cargo(&["run", "--release", "--bin", "sonoglide-web-hashes"], target).stderr(Stdio::inherit()).output()?;
     ensure!(run.status.success(), "the built-in scenes could not be run on this machine");
     let path = folder(target).join("hosts.json");
-    fs::write(&path, run.stdout).with_context(|| format!("cannot write {}", path.display()))
+    fs::write(&path, run.stdout).with_context(|| format!("cannot write {}", path.display()))?;
+    build_firmware(target)
+}
+
+/// Builds the image of the board as the bytes of its flash; an empty file if its target is not
+/// installed.
+fn build_firmware(target: &Path) -> Result<()> {
+    let path = folder(target).join(FIRMWARE);
+    let library = Command::new("rustc").args(["--print", "target-libdir", "--target", BOARD_TARGET]).output()?.stdout;
+    if !Path::new(String::from_utf8(library)?.trim()).is_dir() {
+        println!("SKIPPED: the page has no firmware, as the target {BOARD_TARGET} is not installed");
+        return Ok(fs::write(path, [])?);
+    }
+    let build = ["build", "-p", "sonoglide-nucleo-g474re", "--profile", "board", "--target", BOARD_TARGET];
+    let elf = target.join(BOARD_TARGET).join("board").join("nucleo-g474re");
+    let out = format!("file:{}", path.display());
+    let _ = fs::remove_file(&path);
+    let mut convert = cargo(&["run", "--release", "--bin", "sim-host"], target);
+    convert.args(["--", "link", &out, "update"]).arg(elf).stdout(Stdio::null());
+    for mut step in [cargo(&build, target), convert] {
+        ensure!(step.status().context("cargo cannot be started")?.success(), "the image of the board could not be built");
+    }
+    Ok(())
 }
 
 /// Reads the parts of the last compilation.
@@ -58,5 +86,5 @@ pub fn compiled(target: &Path) -> Result<Core> {
         fs::read(&path).with_context(|| format!("cannot read {}: nothing was compiled yet", path.display()))
     };
     let text = |name: &str| Ok::<_, anyhow::Error>(String::from_utf8(read(name)?)?);
-    Ok(Core { glue: text("core.js")?, wasm: read("core_bg.wasm")?, hosts: text("hosts.json")? })
+    Ok(Core { glue: text("core.js")?, wasm: read("core_bg.wasm")?, hosts: text("hosts.json")?, firmware: read(FIRMWARE)? })
 }

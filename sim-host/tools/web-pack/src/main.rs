@@ -3,6 +3,7 @@
 //!
 //! ```text
 //! sonoglide-web --cargo--> wasm --wasm-bindgen--> glue + wasm --LZMA, base64--+
+//! image of the board --LZMA, base64-------------------------------------------+
 //! built-in scenes --run here--> drive hashes of the host ---------------------+--> page/index.html with everything in it
 //! page/*.css, page/*.js, the scripts of a report -----------------------------+
 //! ```

@@ -1,7 +1,9 @@
 // The screen of a connected board: read-only until it is armed. Its commands are lines of the script
 // grammar, and its answers those of the command line.
+import { unpacked } from "../core.js";
 import { byId, download, make } from "../dom.js";
-import { bursts } from "./bursts.js";
+import { showFigures } from "../figures.js";
+import { Bursts } from "./bursts.js";
 import { Connection, openSerial, unsupported } from "./connection.js";
 import { LiveView } from "./live-view.js";
 import { Recorder } from "./recorder.js";
@@ -17,16 +19,20 @@ const MAX_LOG = 400000;
 /** Number of lanes of a motor. */
 const MOTOR_LANES = 4;
 
+/** Returns the value of a field as one word of a command, with a decimal point. */
+const word = (input) => input.value.replace(/[\s#]+/g, "").replace(",", ".");
+
 export class Board {
   constructor(core) {
     this.core = core;
     this.connection = null;
     this.twin = null;
     this.live = new LiveView();
-    this.settings = new Settings((name, value) => this.run(`settings set ${name} ${value}`).then(() => this.#listSettings()));
+    this.settings = new Settings((name, input) => this.#runField(`settings set ${name} ${word(input)}`).then(() => this.#listSettings()));
     this.tabs = new Tabs({ onreport: (report, name) => this.#foreign(report, name), onstop: () => this.#stop() });
     this.#clear();
     this.#listen();
+    this.#shape();
     const why = unsupported({ serial: true });
     byId("b-unsupported").textContent = why ?? "";
     byId("b-unsupported").hidden = why === null;
@@ -46,18 +52,20 @@ export class Board {
     this.files = new Map();
     this.fault = null;
     this.looks = 0;
+    if (this.bursts) this.bursts.edited = false;
   }
 
   #listen() {
     byId("b-connect").addEventListener("click", async () => {
       this.#complain(null);
+      byId("b-state").textContent = "Not connected.";
       try {
         this.#open({ port: await openSerial() }, "the serial port");
       } catch (error) {
         this.#complain(error.name === "NotFoundError" ? "No port was chosen." : error.message);
       }
     });
-    byId("b-simulate").addEventListener("click", () => this.#open({ scene: { name: byId("b-scene").value } }, `a simulated board, \`${byId("b-scene").value}\``));
+    byId("b-simulate").addEventListener("click", () => this.#open({ scene: { name: byId("b-scene").value, jumper: byId("b-jumper").checked } }, `a simulated board, \`${byId("b-scene").value}\``));
     byId("b-leave").addEventListener("click", () => { this.twin?.connection.leave(); this.connection?.leave(); });
     byId("b-stop").addEventListener("click", () => this.stop());
     // In the capture phase, before any other use of the key.
@@ -70,7 +78,7 @@ export class Board {
     byId("b-accept").addEventListener("click", () => this.#accept());
     byId("b-twin").addEventListener("click", () => this.#startTwin());
     for (const button of document.querySelectorAll("[data-run]")) button.addEventListener("click", () => this.run(button.dataset.run));
-    for (const form of document.querySelectorAll("[data-form]")) form.addEventListener("submit", (event) => { event.preventDefault(); this.run(`${form.dataset.form} ${form.querySelector("input").value.trim()}`); });
+    for (const form of document.querySelectorAll("[data-form]")) form.addEventListener("submit", (event) => { event.preventDefault(); this.#runField(`${form.dataset.form}${word(form.querySelector("input"))}`); });
     byId("b-command-form").addEventListener("submit", (event) => {
       event.preventDefault();
       const line = byId("b-command").value.trim();
@@ -80,9 +88,10 @@ export class Board {
     byId("b-update").addEventListener("change", () => this.#update());
     byId("b-store").addEventListener("click", () => this.run("settings store\nreset").then(() => this.#listSettings()));
     byId("b-settings-panel").addEventListener("toggle", () => { if (byId("b-settings-panel").open) this.#listSettings(); });
+    byId("b-firmware").addEventListener("click", () => download("nucleo.bin", unpacked(byId("firmware").textContent), "application/octet-stream"));
     byId("b-save-log").addEventListener("click", () => download("board-log.txt", byId("b-log").textContent));
     byId("b-save-script").addEventListener("click", () => download("commands.txt", `${this.commands.join("\n")}\n`));
-    bursts((line) => this.run(line));
+    this.bursts = new Bursts((script) => this.run(script).then(() => this.#listSettings()));
   }
 
   async #open(port, name) {
@@ -107,6 +116,10 @@ export class Board {
     const on = this.connection !== null;
     for (const id of ["b-live", "b-bar", "b-arm-panel", "b-acts"]) byId(id).hidden = !on;
     byId("b-connects").hidden = on;
+    byId("b-blank").hidden = on || !byId("firmware").textContent;
+    // Next to STOP an error is visible wherever the reader is on the page.
+    const place = byId(on ? "b-bar" : "b-errors");
+    if (byId("b-error").parentNode !== place) place.prepend(byId("b-error"));
     byId("b-leave").disabled = !on;
     document.body.classList.toggle("connected", on);
     for (const id of ["b-acts", "b-store", "b-accept"]) byId(id).disabled = !this.armed;
@@ -130,17 +143,22 @@ export class Board {
   #take(told) {
     switch (told.event) {
       case "connected":
-        byId("b-state").textContent = `Connected to ${this.name}, read-only.`;
+        byId("b-state").textContent = `Connected to ${this.name}.`;
         byId("b-identity").textContent = told.text;
         byId("b-warnings").replaceChildren();
         byId("b-motor").hidden = told.fields.lanes < MOTOR_LANES;
         for (const line of FIRST_LOOK) this.run(line, false);
+        this.#listSettings();
         break;
       case "armed": this.armed = told.armed; this.#shape(); break;
       case "report": this.#report(told.report); break;
       case "answer": this.#answer(told); break;
       case "file": this.#keep(told.name, told.text); break;
-      case "parameters": this.settings.show(told.parameters); break;
+      case "figures": this.#showResult(told.figures); break;
+      case "parameters":
+        this.settings.show(told.parameters);
+        this.bursts.show(told.parameters);
+        break;
       case "note":
         this.#log(`  ${told.text}`);
         if (told.text.startsWith("warning")) this.#complain(told.text);
@@ -162,8 +180,10 @@ export class Board {
     this.tabs.release();
     this.#shape();
     byId("b-live").hidden = this.live.isEmpty;
-    byId("b-proposal").hidden = true;
-    byId("b-state").textContent = error ? "The connection has ended." : "Disconnected.";
+    this.live.end();
+    for (const id of ["b-proposal", "b-result"]) byId(id).hidden = true;
+    byId("b-figures").replaceChildren();
+    byId("b-state").textContent = error ? "The connection has ended. You can connect again." : "Disconnected.";
     this.#complain(error);
     if (error) this.#log(`error: ${error}`);
   }
@@ -178,6 +198,21 @@ export class Board {
     const warnings = [...(fields.option_bytes_wrong ?? []).map((what) => `option bytes: ${what}`), ...(fields.accepts_development_key ? ["This board accepts updates by the development key, which is public."] : [])];
     for (const words of warnings) if (![...byId("b-warnings").children].some((item) => item.textContent === words)) byId("b-warnings").append(make("li", { class: "warning" }, words));
     if (line.startsWith("commission")) this.#propose(text);
+    this.answer = { line, text };
+    if (fields.passed === false) this.#complain(`The self-test has failed: ${fields.failures.join("; ")}`);
+  }
+
+  /** Shows the last answer with its files and figures; that of a commissioning has its own panel. */
+  #showResult(figures) {
+    const { line, text } = this.answer, command = line.split(" ")[0], ofIt = [...this.files].filter(([name]) => name.startsWith(`${command}/`));
+    byId("b-result").hidden = command === "commission";
+    if (command !== "commission") {
+      byId("b-result-title").textContent = `Result of \`${command}\``;
+      byId("b-answer").textContent = text.split("\n").filter((words) => !words.startsWith("written:")).join("\n");
+      this.#showFiles("b-result-files", ofIt);
+      byId("b-result").focus();
+    }
+    showFigures(byId("b-figures"), figures, (file) => this.files.get(`${command}/${file}`));
   }
 
   /** Runs lines; the first error is shown. */
@@ -186,6 +221,7 @@ export class Board {
     this.#complain(null);
     if (/^(scan|commission)/.test(text)) this.live.beginScan();
     if (kept) this.commands.push(text);
+    byId("b-state").textContent = `\`${text.split("\n")[0]}\` …`;
     const mirrored = this.twin?.mirrors(text);
     const error = await this.connection.run(text);
     await mirrored;
@@ -205,14 +241,22 @@ export class Board {
     this.twin?.connection.stop();
   }
 
+  /** Runs a command with a typed value; an error is that of the value, without its place in a line. */
+  async #runField(line) {
+    const error = await this.run(line);
+    if (error?.startsWith("error: ")) this.#complain(error.split("\n")[0].replace(/^error: (invalid value '(.*?)' for '.*?':)?/, (_, invalid, value) => (invalid ? `\`${value}\`:` : "")).trim());
+    return error;
+  }
+
   async #commission() {
-    const hertz = (id) => {
-      const text = byId(id).value.trim(), kilohertz = Number(text.replace(",", "."));
-      return Number.isFinite(kilohertz) ? String(Math.round(1e6 * kilohertz) / 1e3) : text;
-    };
+    const [low, high] = ["b-low", "b-high"].map((id) => word(byId(id)));
+    const wrong = [low, high].find((kilohertz) => !(Number(kilohertz) > 0));
+    if (wrong !== undefined) return this.#complain(`\`${wrong}\` is not a frequency in kHz, such as 40 or 40.5`);
+    if (Number(low) >= Number(high)) return this.#complain(`The band begins with the lower frequency: ${low} kHz is not below ${high} kHz`);
+    const hertz = (kilohertz) => Math.round(1e6 * kilohertz) / 1e3;
     byId("b-proposal").hidden = true;
     this.files.clear();
-    const error = await this.run(`commission --band ${hertz("b-low")}:${hertz("b-high")} --max-volts ${byId("b-volts").value.trim()} -o commission`);
+    const error = await this.#runField(`commission --band ${hertz(low)}:${hertz(high)} --max-volts=${word(byId("b-volts"))} -o commission`);
     if (!error) byId("b-state").textContent = "Settings are proposed; the board has its former ones.";
   }
 
@@ -225,12 +269,11 @@ export class Board {
     byId("b-proposal").focus();
   }
 
-  /** Keeps a file of a command: the loop of a scan is drawn, the others are offered. */
+  /** Keeps a file of a command: the loop of a scan is drawn, and all are offered. */
   #keep(name, text) {
     if (name === "scan/admittance.csv") this.live.showLoop(text);
-    if (!name.startsWith("commission/")) return;
     this.files.set(name, text);
-    this.#showFiles();
+    if (name.startsWith("commission/")) this.#showFiles("b-files", [...this.files].filter(([one]) => one.startsWith("commission/")));
   }
 
   async #accept() {
@@ -243,8 +286,8 @@ export class Board {
     this.#listSettings();
   }
 
-  #showFiles() {
-    byId("b-files").replaceChildren(...[...this.files].map(([name, text]) => make("button", { type: "button", onclick: () => download(name.replace("/", "-"), text) }, name.split("/").at(-1))));
+  #showFiles(place, files) {
+    byId(place).replaceChildren(...files.map(([name, text]) => make("button", { type: "button", onclick: () => download(name.replace("/", "-"), text) }, name.split("/").at(-1))));
   }
 
   async #startTwin() {
@@ -269,7 +312,7 @@ export class Board {
   }
 
   #listSettings() {
-    if (this.connection && byId("b-settings-panel").open) this.connection.request({ ask: "parameters" });
+    this.connection?.request({ ask: "parameters" });
   }
 
   #report(report) {

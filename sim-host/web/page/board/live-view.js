@@ -25,10 +25,13 @@ export class LiveView {
   clear() {
     this.recorder = new Recorder();
     this.mark = null;
-    this.fresh = false;
+    this.fresh = this.ended = false;
     this.beginScan();
     this.pause(false);
   }
+
+  /** Marks the last report as that of a connection that has ended. */
+  end() { this.fresh = this.ended = true; }
 
   get isEmpty() { return this.recorder.reports.length === 0; }
 
@@ -72,7 +75,7 @@ export class LiveView {
     if (!report || !this.fresh || byId("board").hidden) return;
     this.fresh = false;
     byId("b-mode").textContent = `${report.mode}${report.locked ? ", locked" : ""}`;
-    const tiles = [["mode", byId("b-mode").textContent], ["frequency", `${digits(report.frequency_hz, 7)} Hz`], ["voltage, peak", quantity(report.voltage_v, "V")], ["current, peak", quantity(report.current_a, "A")], ["power", quantity(report.power_w, "W")], ["limit", report.limit_text ?? "none"]];
+    const tiles = [[this.ended ? "mode in the last report" : "mode", byId("b-mode").textContent], ["frequency", `${digits(report.frequency_hz, 7)} Hz`], ["voltage, peak", quantity(report.voltage_v, "V")], ["current, peak", quantity(report.current_a, "A")], ["power", quantity(report.power_w, "W")], ["limit", report.limit_text ?? "none"]];
     byId("b-tiles").replaceChildren(...tiles.map(([label, value]) => make("div", {}, make("dt", {}, label), make("dd", {}, value))));
     this.#drawLoop();
     if (this.paused) return;

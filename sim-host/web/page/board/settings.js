@@ -44,7 +44,7 @@ export class Settings {
 
   #row(one, other) {
     const input = make("input", { type: "text", value: one.set, "aria-label": `${one.name}, set value`, disabled: one.range === "fixed by the image" });
-    input.addEventListener("change", () => this.change(one.name, input.value.trim()));
+    input.addEventListener("change", () => this.change(one.name, input));
     return make("tr", {}, make("th", { scope: "row" }, make("code", {}, one.name), make("small", {}, one.meaning ?? "")),
       make("td", { class: "number" }, one.active), make("td", {}, input), make("td", { class: "number" }, other ?? "–"), make("td", {}, one.range));
   }

@@ -8,6 +8,7 @@ use std::rc::Rc;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
 
+use link::as_on_board::adapted;
 use link::link_error::LinkError;
 use link::port::{Port, Simulated};
 use link::simulated_board::SimulatedBoard;
@@ -15,6 +16,7 @@ use wasm_bindgen::prelude::*;
 
 use super::STOP;
 use crate::Request;
+use crate::request::message;
 
 /// Longest simulated time between two looks at the clock of the page.
 const SLICE: Duration = Duration::from_millis(4);
@@ -124,9 +126,12 @@ struct Paced {
 /// # Errors
 /// All errors in the scene, or the reason for which the firmware refuses it.
 pub fn simulated(request: &Request) -> Result<Box<dyn Port>, String> {
-    let loaded = request.load()?;
+    let (loaded, _) = adapted(request.load()?).map_err(|error| message(&error))?;
     let scene = loaded.scene.driven().ok_or("error: this scene has no [controller], which a board needs")?;
-    let board = SimulatedBoard::new(&scene, 0).map_err(|why| format!("error: the firmware refuses this scene: {why}"))?;
+    let mut board = SimulatedBoard::new(&scene, 0).map_err(|why| format!("error: the firmware refuses this scene: {why}"))?;
+    if request.jumper {
+        board.wire_jumper();
+    }
     let board = Simulated::new(&format!("sim:{}", loaded.name), Rc::new(RefCell::new(board)), false);
     Ok(Box::new(Paced { board, began_ms: now_ms(), suspended_ms: now_ms() }))
 }
