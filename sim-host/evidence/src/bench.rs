@@ -23,7 +23,7 @@ pub struct Bench {
 }
 
 /// All benches, in the order in which they run.
-pub const BENCHES: [Bench; 20] = [
+pub const BENCHES: [Bench; 21] = [
     bench(
         "tracking",
         |options| built_in(("tracking", TRACKING), options, |_, _| Ok(())),
@@ -37,6 +37,11 @@ pub const BENCHES: [Bench; 20] = [
                 plant and a baseline",
     )
     .with_suite(transducers::SUITE),
+    bench(
+        "drift",
+        transducers::drift::evidence,
+        "24 random transducers that run for 100 s while temperature, load, bursts and amplitude change at once",
+    ),
     bench(
         "commission",
         commission::run,

@@ -42,6 +42,13 @@ fn transducers_have_these_numbers() {
     }
 }
 
+/// The page lists the missed targets.
+#[test]
+#[ignore = "takes minutes"]
+fn drift_has_these_numbers() {
+    evidence("drift", "evidence/transducers.md");
+}
+
 /// The page gives the number of right ones under "What falls short".
 #[test]
 #[ignore = "takes minutes"]

@@ -17,7 +17,7 @@ pub struct Options<'a> {
     /// `true` for fewer runs and cases.
     pub quick: bool,
     /// Number of runs of each kind and place (`faults`), of transducers to commission
-    /// (`commission`) or of the wider set (`transducers`), of files to import (`import`), of
+    /// (`commission`), to let drift (`drift`) or of the wider set (`transducers`), of files to import (`import`), of
     /// millions of bytes sent (`fuzz`) or of millions of samples driven (`soak`); `None` for the
     /// default.
     pub count: Option<u32>,

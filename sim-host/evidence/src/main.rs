@@ -36,7 +36,7 @@ struct Arguments {
     /// Run the quick variant: fewer runs and cases.
     #[arg(long)]
     quick: bool,
-    /// Number of runs of each kind and place (`faults`), transducers (`commission`, the wider set
+    /// Number of runs of each kind and place (`faults`), transducers (`commission`, `drift`, the wider set
     /// of `transducers`), files (`import`), contacts (`contacts`), or millions of bytes (`fuzz`) or
     /// samples (`soak`).
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]

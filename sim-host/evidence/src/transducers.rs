@@ -15,6 +15,7 @@
 
 mod baseline;
 pub(crate) mod draw;
+pub(crate) mod drift;
 pub(crate) mod front_end;
 pub(crate) mod outcome;
 mod restart;

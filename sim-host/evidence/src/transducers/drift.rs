@@ -1,0 +1,276 @@
+//! Drift with everything at once: transducers of the random set that run for minutes while all that
+//! moves a resonance happens together.
+//!
+//! | change | how |
+//! |---|---|
+//! | temperature | a sine of 15 K in the surroundings; the resonance falls by 1.5e-4 of itself a kelvin, and C0, Rm and the force factor change as in scene `self-heating` |
+//! | load | eight steps, of the resonance within half a bandwidth and of Q to 0.7 to 1.4 times its value |
+//! | bursts | periodic, with boosted edges up to four times the drive |
+//! | amplitude | every tenth of a second a new set point, 0.3 to 1 times the drive |
+//!
+//! Judged are the blocks of a running lock in which the drive is fully ON, except for some time
+//! after each load step. The controller knows that C0 may drift (`c0_drift_per_s`).
+
+use std::f64::consts::PI;
+use std::sync::atomic::AtomicBool;
+
+use firmware::seam::block::{Amplitude, DriveBlock, Orders, SenseBlock};
+use firmware::seam::fault::{Fault, Limit};
+use firmware::seam::mode::Mode;
+use firmware::seam::telemetry::Telemetry;
+use report::TableBlock;
+use scene::load::load;
+use scene::settings;
+use sim::processor::{Here, Lost, Processor};
+use sim::record::Row;
+use sim::run::{RunError, Watch, run_on};
+use sim::study::StudyError;
+
+use super::draw::{KINDS, Kind, Transducer};
+use super::front_end::{FrontEnd, SCENE, sets};
+use crate::campaign::{self, cells, columns, count, digits, each, tally, worst};
+use crate::evidence::{Error, Evidence, Options};
+use crate::random::Random;
+
+/// Numbers of transducers and duration of each, s, full and quick.
+const RUNS: [(u32, f64); 2] = [(24, 100.0), (12, 3.0)];
+/// Seed of the changes of the first transducer.
+const SEED: u64 = 1 << 33;
+/// Number of load steps.
+const LOAD_STEPS: u32 = 8;
+/// Time between two amplitude set points, s.
+const AMPLITUDE_S: f64 = 0.1;
+/// Largest voltage of an edge, relative to the drive.
+const BOOST: f64 = 4.0;
+/// Time after a load step that is not judged: ring-down times `Q / (pi fs)`, and at least this, s.
+const SETTLING: (f64, f64) = (10.0, 0.02);
+/// Largest bias, bandwidths.
+const MAX_BIAS: f64 = 0.005;
+/// Distance from the resonance at which a lock is lost, bandwidths, and part of the time under a
+/// lock that may be lost without a report, while an amplitude step or an edge settles.
+const LOST: (f64, f64) = (0.5, 0.002);
+/// Limits that report a doubtful lock.
+const DOUBTS: [Limit; 3] = [Limit::FrequencyWindow, Limit::NotTracking, Limit::LockUncertain];
+
+/// Result of a transducer's run.
+struct Drifted {
+    kind: &'static Kind,
+    /// Command that shows the same changes but those of the amplitude.
+    command: String,
+    /// Fault that ended the run.
+    fault: Option<Fault>,
+    /// Part of the judged time under a lock, and of that the parts in which a limit reports that it
+    /// is doubtful, and in which it is lost without a report.
+    locked: f64,
+    doubtful: f64,
+    lost: f64,
+    /// Mean and root mean square of the drive minus the resonance, in bandwidths.
+    bias: f64,
+    rms: f64,
+}
+
+impl Drifted {
+    /// Returns `true` if the run reports that it has no good lock.
+    fn is_reported(&self) -> bool {
+        self.fault.is_some() || self.doubtful > 0.5
+    }
+}
+
+/// Runs the transducers, and returns the evidence.
+pub(crate) fn evidence(options: &mut Options) -> Result<Evidence, Error> {
+    let (number, duration_s) = RUNS[usize::from(options.quick)];
+    let number = options.count.unwrap_or(number);
+    (options.progress)(&format!("{number} transducers, {duration_s} s each"));
+    let set = each(number, options.stop, |number| run(&Transducer::draw(number), duration_s, options.stop))?;
+    let title = "Drift: temperature, load steps, bursts and amplitude at once";
+    let subtitle = "Simulated: the controller on the host against the simulated stack and its converters";
+    let columns = "kind,fault,locked,doubtful,lost,bias,rms,command";
+    let row = |run: &Drifted| {
+        let fault = run.fault.map_or(0, |fault| fault as u8);
+        cells![run.kind.name, fault, run.locked, run.doubtful, run.lost, run.bias, run.rms, run.command]
+    };
+    let files = vec![("drift.csv", campaign::csv(columns, set.iter().map(row))?)];
+    Ok(campaign::evidence(title, subtitle, vec![table(&set, duration_s)], files, missed(&set)))
+}
+
+/// Returns the targets that are missed.
+fn missed(set: &[Drifted]) -> Vec<String> {
+    let mut missed = Vec::new();
+    for run in set {
+        let Drifted { fault, lost, bias, command, .. } = run;
+        match fault {
+            Some(fault) => missed.push(format!("ended by fault {}: {command}", *fault as u8)),
+            None if *lost > LOST.1 && !run.is_reported() => missed.push(format!("lost for {lost:.4} of the time: {command}")),
+            None if bias.abs() > MAX_BIAS && !run.is_reported() => missed.push(format!("{bias:+.4} bandwidths off: {command}")),
+            None => {}
+        }
+    }
+    missed
+}
+
+fn table(set: &[Drifted], duration_s: f64) -> TableBlock {
+    let row = |name: &str, of: &[&Drifted]| {
+        let whole = || of.iter().filter(|run| !run.is_reported());
+        let within = count(whole(), |run| run.bias.abs() <= MAX_BIAS);
+        let lost = count(whole(), |run| run.lost > LOST.1);
+        let biases = || whole().map(|run| run.bias.abs());
+        let mean = biases().sum::<f64>() / whole().count() as f64;
+        let faults = tally(of.iter().filter_map(|run| run.fault).map(|fault| fault as u8));
+        let faults: Vec<String> = faults.into_iter().map(|(fault, runs)| format!("{fault}: {runs}")).collect();
+        let locked = of.iter().map(|run| run.locked).sum::<f64>() / of.len() as f64;
+        let doubtful = count(of.iter(), |run| run.fault.is_none() && run.is_reported());
+        cells![
+            name,
+            of.len(),
+            within,
+            lost,
+            doubtful,
+            if faults.is_empty() { "–".into() } else { faults.join(", ") },
+            format!("{:.1} %", 100.0 * locked),
+            format!("{}, {}", digits(mean), digits(worst(biases()))),
+            digits(worst(whole().map(|run| run.rms))),
+        ]
+    };
+    let of_kind = |kind: &'static Kind| set.iter().filter(|run| run.kind == kind).collect::<Vec<_>>();
+    let rows = KINDS.iter().map(|kind| row(kind.name, &of_kind(kind)));
+    let rows = rows.chain([row("all", &set.iter().collect::<Vec<_>>())]).collect();
+    let caption = format!(
+        "{duration_s} s each. Within: the mean of the drive minus the resonance is within 0.5 % of the bandwidth. Lost: for more \
+         than 0.2 % of the time under a lock the drive is half a bandwidth off, without a report. Reported: limit 97, 98 or 107 \
+         for most of the time. Faults: number and count. Bias: mean and largest of the magnitudes; rms: the largest; both in \
+         bandwidths, of the runs without a report."
+    );
+    let header = "kind | transducers | within | lost | reported | faults | locked | bias | rms";
+    TableBlock::new("drift", "Drift with everything at once, by kind", &caption, &columns(header), rows)
+}
+
+/// Runs a transducer for this time, s.
+fn run(transducer: &Transducer, duration_s: f64, stop: Option<&AtomicBool>) -> Result<Drifted, Error> {
+    let mut random = Random::new(SEED + u64::from(transducer.number));
+    let (sets, steps_s) = changes(transducer, duration_s, &mut random);
+    let loaded = load(SCENE, &sets)?;
+    let scene = loaded.scene.driven().ok_or(StudyError::Incomplete)?;
+    let config = settings::config(&scene);
+    let blocks = (AMPLITUDE_S * f64::from(config.sample_hz) / f64::from(config.block_samples)) as u64;
+    let volts = FrontEnd::of(transducer).drive_v;
+    let mut restless = Restless { controller: Here::new(&config)?, random, volts, blocks, block: 0, orders: 0, amplitude: None };
+    let record = run_on(&mut restless, &scene, Watch { stop, ..Watch::default() });
+    let record = record.map_err(|error: RunError| StudyError::from(error))?;
+    let settling_s = SETTLING.1.max(SETTLING.0 * transducer.q / (PI * transducer.hz));
+    let is_settled = |row: &Row| !steps_s.iter().any(|step_s| (0.0..settling_s).contains(&(row.time_s - step_s)));
+    let is_judged = |row: &&Row| row.mode == Mode::Run && row.envelope == 1.0 && !row.probes() && is_settled(row);
+    let locked_at = record.rows.iter().position(|row| row.locked).unwrap_or(record.rows.len());
+    let judged: Vec<&Row> = record.rows[locked_at..].iter().filter(is_judged).collect();
+    let locked: Vec<&Row> = judged.iter().copied().filter(|row| row.locked).collect();
+    let error = |row: &Row| (row.frequency_hz - row.truth.series_resonance_hz) * transducer.q / row.truth.series_resonance_hz;
+    let is_doubtful = |row: &Row| DOUBTS.iter().any(|limit| *limit as u8 == row.limit);
+    let part = |runs: usize, of: usize| runs as f64 / of.max(1) as f64;
+    let mean = |of: &dyn Fn(&Row) -> f64| locked.iter().map(|row| of(row)).sum::<f64>() / locked.len().max(1) as f64;
+    Ok(Drifted {
+        kind: transducer.kind,
+        command: format!("sim-host run {SCENE}{}", sets.iter().map(|set| format!(" --set {set}")).collect::<String>()),
+        fault: record.last.fault,
+        locked: part(locked.len(), judged.len()),
+        doubtful: part(count(locked.iter(), |row| is_doubtful(row)), locked.len()),
+        lost: part(count(locked.iter(), |row| !is_doubtful(row) && error(row).abs() > LOST.0), locked.len()),
+        bias: mean(&error),
+        rms: mean(&|row| error(row).powi(2)).sqrt(),
+    })
+}
+
+/// Returns the changes of the scene, and the times of the load steps, s.
+fn changes(of: &Transducer, duration_s: f64, random: &mut Random) -> (Vec<String>, Vec<f64>) {
+    let drive_v = FrontEnd::of(of).drive_v;
+    let ring_down_s = of.q / (PI * of.hz);
+    let period_s = random.log(20.0, 200.0) * ring_down_s.max(2e-4);
+    let mut sets = sets(of, "observer");
+    // The voltage range must hold the edges.
+    sets.retain(|set| !set.starts_with("duration_s=") && !set.starts_with("sensors.v_full_scale_v="));
+    sets.extend([
+        format!("duration_s={duration_s:?}"),
+        format!("controller.burst.period_s={period_s:.4e}"),
+        format!("controller.burst.duty={:.3}", random.between(0.4, 0.9)),
+        "controller.burst.edge=boost".into(),
+        "controller.tracking.c0_drift_per_s=1e-3".into(),
+        format!("controller.limits.voltage_v={:.4e}", BOOST * drive_v),
+        format!("sensors.v_full_scale_v={:.4e}", 1.5 * BOOST * drive_v),
+        format!("stack.bvd.temperature_hz_per_k={:.4e}", -1.5e-4 * of.hz),
+        "stack.bvd.temperature_c0_per_k=0.0005".into(),
+        "stack.bvd.temperature_rm_per_k=0.005".into(),
+        "stack.bvd.temperature_force_factor_per_k=-0.0005".into(),
+        "disturbance.0.at_s=0".into(),
+        "disturbance.0.key=stack.temperature_k".into(),
+        "disturbance.0.sine_amplitude=15".into(),
+        format!("disturbance.0.sine_hz={:.4e}", random.log(0.005, 0.02)),
+    ]);
+    let mut steps_s = Vec::new();
+    for step in 0..LOAD_STEPS {
+        let at_s = duration_s * (f64::from(step) + 0.5 + 0.4 * random.side()) / f64::from(LOAD_STEPS);
+        // Within the window, whose ends are for the temperature.
+        let reach_hz = 0.9 * of.nominal.span * of.nominal.hz;
+        let hz = of.hz * (1.0 + 0.5 * random.side() / of.q);
+        let hz = hz.clamp(of.nominal.hz - reach_hz, of.nominal.hz + reach_hz);
+        let q = of.q * 1.4f64.powf(random.side());
+        for (place, key, value) in [(1, "series_resonance_hz", hz), (2, "q", q)] {
+            let place = 2 * step + place;
+            sets.extend([
+                format!("disturbance.{place}.at_s={at_s:.4}"),
+                format!("disturbance.{place}.key=stack.bvd.{key}"),
+                format!("disturbance.{place}.to={value:.6e}"),
+            ]);
+        }
+        steps_s.push(at_s);
+    }
+    (sets, steps_s)
+}
+
+/// Controller in this process, whose amplitude is changed again and again.
+struct Restless {
+    controller: Here,
+    random: Random,
+    volts: f64,
+    /// Blocks between two set points.
+    blocks: u64,
+    block: u64,
+    orders: u32,
+    amplitude: Option<Amplitude>,
+}
+
+impl Processor for Restless {
+    fn silence(&self) -> DriveBlock {
+        self.controller.silence()
+    }
+
+    fn process(&mut self, orders: &Orders, sense: &SenseBlock, drive: &mut DriveBlock) -> Result<Telemetry, Lost> {
+        self.block += 1;
+        if self.block.is_multiple_of(self.blocks) {
+            self.orders += 1;
+            self.amplitude = Some(Amplitude::Volts((self.volts * self.random.between(0.3, 1.0)) as f32));
+        }
+        let orders = Orders { sequence: orders.sequence + self.orders, amplitude: self.amplitude, ..*orders };
+        self.controller.process(&orders, sense, drive)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// One of each former failure: an estimate bounded by its first prior, a voltage that passes
+    /// zero as the amplitude falls, and an amplitude step within a measurement of C0.
+    #[test]
+    fn former_failures_are_within() {
+        for number in [33, 31, 38] {
+            let run = run(&Transducer::draw(number), 4.0, None).unwrap();
+            assert_eq!(missed(&[run]), [""; 0], "{number}");
+        }
+    }
+
+    /// Single-mode transducers are followed; docs/evidence/transducers.md lists others that are not.
+    #[test]
+    fn transducers_of_one_mode_are_followed() {
+        let runs = (0..9).map(Transducer::draw).filter(|transducer| transducer.kind.modes == 0);
+        let runs: Vec<_> = runs.map(|transducer| run(&transducer, 1.5, None).unwrap()).collect();
+        assert_eq!(missed(&runs), [""; 0]);
+    }
+}
