@@ -322,7 +322,7 @@ impl Continuity {
         // A ringing stack also returns the voltage of an earlier, larger drive.
         self.recent_v = larger(block.volts, RECENT_REL * self.recent_v);
         let most_square = self.most_h_square * self.recent_v * self.recent_v;
-        // Near zero the voltage is no tone of constant amplitude.
+        // Near zero, the amplitude of the voltage changes within a block.
         let taken = self.is_taken_by_ringing(h, block, TAKEN_REL);
         if elsewhere
             || block.tracked && block.unexplained && !taken

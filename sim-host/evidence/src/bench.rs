@@ -40,7 +40,7 @@ pub const BENCHES: [Bench; 21] = [
     bench(
         "drift",
         transducers::drift::evidence,
-        "24 random transducers that run for 100 s while temperature, load, bursts and amplitude change at once",
+        "12 random transducers that run for 100 s while temperature, load, bursts and amplitude change at once",
     ),
     bench(
         "commission",

@@ -16,10 +16,9 @@ use sim::study::suite::SuiteResult;
 pub struct Options<'a> {
     /// `true` for fewer runs and cases.
     pub quick: bool,
-    /// Number of runs of each kind and place (`faults`), of transducers to commission
-    /// (`commission`), to let drift (`drift`) or of the wider set (`transducers`), of files to import (`import`), of
-    /// millions of bytes sent (`fuzz`) or of millions of samples driven (`soak`); `None` for the
-    /// default.
+    /// Number of runs of each kind and place (`faults`), of transducers (`commission`, `drift`, the
+    /// wider set of `transducers`), of files to import (`import`), of millions of bytes sent
+    /// (`fuzz`) or of millions of samples driven (`soak`); `None` for the default.
     pub count: Option<u32>,
     /// Seed of a single input to run alone (`fuzz`, `soak`), or of another set (`contacts`).
     pub seed: Option<u64>,

@@ -36,9 +36,9 @@ struct Arguments {
     /// Run the quick variant: fewer runs and cases.
     #[arg(long)]
     quick: bool,
-    /// Number of runs of each kind and place (`faults`), transducers (`commission`, `drift`, the wider set
-    /// of `transducers`), files (`import`), contacts (`contacts`), or millions of bytes (`fuzz`) or
-    /// samples (`soak`).
+    /// Number of runs of each kind and place (`faults`), transducers (`commission`, `drift`, the
+    /// wider set of `transducers`), files (`import`), contacts (`contacts`), or millions of bytes
+    /// (`fuzz`) or samples (`soak`).
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     count: Option<u32>,
     /// Run one input alone, with the seed from a failure message (`fuzz`, `soak`), or another set

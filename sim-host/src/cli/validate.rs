@@ -34,10 +34,11 @@ pub(super) struct ValidateArgs {
     report: ReportArgs,
 }
 
-/// Benches that were commands of this program until version 0.1, and are now in `evidence`.
-const MOVED: [&str; 20] = [
+/// Benches, which are in `evidence`; all but one were commands of this program until version 0.1.
+const MOVED: [&str; 21] = [
     "tracking",
     "transducers",
+    "drift",
     "commission",
     "import",
     "friction",
@@ -65,7 +66,7 @@ pub(super) fn run(args: &ValidateArgs, color: Color) -> anyhow::Result<Exit> {
         let show = if args.suite.len() > 1 { "show " } else { "" };
         return Err(if MOVED.contains(&name) {
             let command = format!("cargo run --release -p sonoglide-evidence -- {show}{name}");
-            mistake(Exit::Usage, format!("`{name}` has moved; run `{command}` in a checkout"))
+            mistake(Exit::Usage, format!("`{name}` is a bench; run `{command}` in a checkout"))
         } else {
             mistake(Exit::Input, format!("`{name}` is not a suite: give a TOML file (docs/ci.md)"))
         });

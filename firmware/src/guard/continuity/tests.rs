@@ -445,8 +445,8 @@ fn energy_without_a_drive_is_detected_after_the_ringing() {
 }
 
 /// A drive that is lowered while the stack rings, with a source of 2 ohm that takes `taken` of the
-/// drive at the resonance: the voltage passes zero, and is no tone there. The error of the clamped branch
-/// moves the motional current with the voltage. A short at the same time is detected.
+/// drive at the resonance. The voltage passes zero, where its tone leaves energy unexplained; the
+/// error of the clamped branch moves the motional current with it. A later short is detected.
 #[test]
 fn a_lower_drive_on_a_ringing_stack_is_accepted() {
     for taken in [0.05, 0.5, 0.9, 0.98] {
