@@ -116,6 +116,7 @@ impl Shaper {
         self.owed = [0; MAX_LANES];
         fit(play, drive);
         self.silence(play, drive);
+        self.driven = 0.0;
     }
 
     /// Writes one block of codes. Returns the amplitude of its fundamental at a peak of one: `None`

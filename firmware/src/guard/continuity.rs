@@ -10,7 +10,7 @@
 //! | check | reason | failure otherwise |
 //! |---|---|---|
 //! | `h` is constant, except for a source of up to 5 ohm under a changed current and a delay under a changed frequency | an amplifier and its channel do not change | voltage channel or drive has failed |
-//! | `h` is at most 1.2 times the larger of one and its first value, and `V` at most 1.15 times the voltage limit | nothing adds to the drive | the voltage exceeds the command |
+//! | `V` is at most 1.2 times the larger of one and the first `h`, relative to the largest recent drive, and `V` at most 1.15 times the voltage limit | nothing adds to the drive | the voltage exceeds the command |
 //! | the motional current does not jump from one level to another | it needs a time constant to change | current channel has failed |
 //! | the tone explains nine tenths of the energy of both channels | a sine was played | a channel has an offset or has lost a bit, or the drive is not a sine |
 //!
@@ -35,9 +35,9 @@ const VOLTAGE_TOLERANCE_REL: f32 = 0.15;
 const MAX_SOURCE_OHM: f32 = 5.0;
 /// Smallest voltage that a source may leave, relative to the mean, under a current that has risen.
 const MIN_VOLTAGE_REL: f32 = 0.1;
-/// Smallest rise of the square of a current that a short makes.
+/// Smallest ratio of squared currents that indicates a short.
 const MIN_RISE: f32 = 1.2;
-/// Voltage, relative to the mean, below which a ringing stack makes it unlike a tone.
+/// Voltage, relative to the mean, below which a distorted block is attributed to ringing.
 const TAKEN_REL: f32 = 0.5;
 /// Smallest voltage to which tolerances relate, relative to the drive.
 const LEAST_VOLTAGE_REL: f32 = 0.15;
@@ -51,8 +51,8 @@ const OUT_OF_SEQUENCE_REL: f32 = 0.5;
 const MAX_VOLTAGE_RATIO: f32 = 1.2;
 /// Largest voltage relative to the voltage limit: 1.2 times the limit is dangerous.
 const MAX_LIMIT_RATIO: f32 = 1.15;
-/// Part of an earlier drive that counts as recent after one more check.
-const RECENT_REL: f32 = 0.97;
+/// Decay factor of the largest recent drive per check.
+const RECENT_REL: f32 = 0.99;
 /// Number of consecutive checks with an impossible voltage that raise a fault; every second block
 /// is checked.
 const BROKEN_CHECKS: u32 = 4;
@@ -203,7 +203,7 @@ impl Continuity {
     /// Resets the checks for a new attempt.
     pub(crate) fn restart(&mut self) {
         (self.checks, self.most_h_square, self.starts, self.failed) = (0, f32::INFINITY, None, false);
-        self.misplayed = 0;
+        (self.misplayed, self.recent_v) = (0, 0.0);
         self.rest(true);
         self.pause = 0;
     }
@@ -332,8 +332,10 @@ impl Continuity {
             self.broken += 1;
         } else {
             self.broken = 0;
-            self.current_square = block.i.norm_sqr();
-            self.learn(h, y, block.offset_hz);
+            if !taken {
+                self.current_square = block.i.norm_sqr();
+                self.learn(h, y, block.offset_hz);
+            }
         }
         self.broken >= BROKEN_CHECKS
     }
@@ -363,12 +365,14 @@ impl Continuity {
         larger(self.voltage.norm_sqr(), LEAST_VOLTAGE_REL * LEAST_VOLTAGE_REL)
     }
 
-    /// Returns `true` if `h` is below this part of its mean under a current that has not risen:
-    /// after a lower amplitude, the source loses its voltage to the current of the ringing stack.
-    /// A short would raise the current.
+    /// Returns `true` if `h` is below this part of its mean, soon after the amplitude has been
+    /// lowered, under a current that has not risen: the current of the ringing stack causes the
+    /// voltage drop in the source.
     #[inline]
     fn is_taken_by_ringing(&self, h: Phasor, block: &Steady, part: f32) -> bool {
-        h.norm_sqr() < part * part * self.voltage.norm_sqr() && block.i.norm_sqr() < MIN_RISE * self.current_square
+        is_step(self.recent_v, block.volts)
+            && h.norm_sqr() < part * part * self.voltage.norm_sqr()
+            && block.i.norm_sqr() < MIN_RISE * self.current_square
     }
 
     /// Returns `true` if a changed current or frequency explains the deviation `off` of `h`.

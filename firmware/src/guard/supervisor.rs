@@ -7,9 +7,9 @@
 //!   +--- order: Idle -------------------- order: clear ---+
 //! ```
 //!
-//! An order to scan or to calibrate leads through `Idle` to `SelfTest` from every other mode except
-//! `Fault`; a complete `Scan` or `Calibrate` leads back to `Idle`. If another order ends a
-//! calibration, the trims remain unchanged.
+//! An order to scan or to calibrate leads to `SelfTest` from every other mode except `Fault`; a
+//! complete `Scan` or `Calibrate` leads back to `Idle`. If another order ends a calibration, the
+//! trims remain unchanged.
 
 use core::mem;
 
@@ -106,18 +106,14 @@ impl Supervisor {
             }
             // A scan or calibration is done once for each attempt; then the mode stays `Idle`.
             (Mode::Idle, Request::Scan | Request::Calibrate) if self.done == Some(orders.attempt) => false,
-            (Mode::Idle, _) => {
-                self.mode = Mode::SelfTest;
-                true
-            }
-            // A new scan or calibration ends a run; every other order ends a calibration. It begins
-            // in the next block, when the drive has faded.
-            (Mode::Lock | Mode::Run, Request::Scan | Request::Calibrate)
+            // A new scan or calibration ends a run; every other order ends a calibration.
+            (Mode::Idle, _)
+            | (Mode::Lock | Mode::Run, Request::Scan | Request::Calibrate)
             | (Mode::Scan | Mode::Clamped, Request::Calibrate)
             | (Mode::Clamped, Request::Scan)
             | (Mode::Calibrate, Request::Scan | Request::Run) => {
-                (self.mode, self.done) = (Mode::Idle, None);
-                false
+                self.mode = Mode::SelfTest;
+                true
             }
             _ => false,
         }

@@ -33,8 +33,8 @@ pub(crate) fn up_to(limit: f32, value: f32) -> f32 {
 /// Change of the drive from block to block that is a step, relative.
 const STEP_REL: f32 = 0.05;
 
-/// Returns `true` if the drive has been stepped between two blocks. After a step neither phasors
-/// nor their errors are those before.
+/// Returns `true` if the drive has been stepped between two blocks: phasors before and after a step
+/// cannot be compared.
 #[inline]
 pub(crate) fn is_step(before_v: f32, now_v: f32) -> bool {
     (now_v - before_v).abs() > STEP_REL * now_v

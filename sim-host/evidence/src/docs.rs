@@ -42,11 +42,13 @@ fn transducers_have_these_numbers() {
     }
 }
 
-/// The page lists the missed targets.
+/// Only transducers with further modes miss a target.
 #[test]
 #[ignore = "takes minutes"]
 fn drift_has_these_numbers() {
-    evidence("drift", "evidence/transducers.md");
+    let mut missed = evidence("drift", "evidence/transducers.md").missed;
+    missed.retain(|missed| !missed.contains("stack.mode.0"));
+    assert_eq!(missed, [""; 0]);
 }
 
 /// The page gives the number of right ones under "What falls short".

@@ -276,7 +276,7 @@ impl Online {
         self.last_hz = sample.detune_hz;
         let hold = self.settled < self.settle_blocks;
         let stepped = is_step(core::mem::replace(&mut self.volts, sample.volts), sample.volts);
-        if !sample.steady || stepped {
+        if !sample.steady || self.steady > 0 && stepped {
             self.stop();
             return Output { hold, ..Output::default() };
         }

@@ -8,6 +8,7 @@
 //!    damping does not change it. The choice is ambiguous (fault 34) if the inductance is not
 //!    configured and another resonance has more than `AMBIGUOUS_RATIO` of that capacitance.
 
+use crate::seam::compare::smaller;
 use crate::seam::fault::Fault;
 use crate::seam::transducer::Resonance;
 
@@ -16,6 +17,8 @@ use crate::seam::transducer::Resonance;
 pub(crate) const LM_FACTOR: f32 = 2.2;
 /// Margin of that comparison, standard deviations of the measured inductance.
 const MARGIN_SIGMAS: f32 = 3.0;
+/// Largest margin, relative.
+const MAX_MARGIN_REL: f32 = 0.5;
 /// Ratio of two motional capacitances above which the choice is ambiguous.
 const AMBIGUOUS_RATIO: f32 = 0.8;
 
@@ -36,7 +39,7 @@ impl Choice {
         let inside = |resonance: &Resonance| (resonance.hz - centre_hz).abs() <= half_hz;
         let fits = |n: usize, resonance: &Resonance| {
             let deviation_h = lm_deviations_h.get(n).copied().unwrap_or_default();
-            let factor = LM_FACTOR * (1.0 + MARGIN_SIGMAS * deviation_h / resonance.lm_h);
+            let factor = LM_FACTOR * (1.0 + smaller(MARGIN_SIGMAS * deviation_h / resonance.lm_h, MAX_MARGIN_REL));
             self.nominal_lm_h.is_none_or(|nominal| resonance.lm_h < nominal * factor && resonance.lm_h * factor > nominal)
         };
         if !found.iter().any(inside) {
@@ -85,6 +88,9 @@ mod tests {
         assert_eq!(choice(Some(2.19 * 4e-3)).choose(&found, &[]), Ok(0));
         assert_eq!(choice(Some(2.21 * 4e-3)).choose(&found, &[]), Err(Fault::WrongMode));
         assert_eq!(choice(Some(2.21 * 4e-3)).choose(&found, &[1e-4, 0.0]), Ok(0));
+        for deviation_h in [4e-3, f32::INFINITY, f32::NAN] {
+            assert_eq!(choice(Some(3.31 * 4e-3)).choose(&found, &[deviation_h; 2]), Err(Fault::WrongMode));
+        }
     }
 
     #[test]

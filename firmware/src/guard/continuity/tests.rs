@@ -446,28 +446,34 @@ fn energy_without_a_drive_is_detected_after_the_ringing() {
 
 /// A drive that is lowered while the stack rings, with a source of 2 ohm that takes `taken` of the
 /// drive at the resonance. The voltage passes zero, where its tone leaves energy unexplained; the
-/// error of the clamped branch moves the motional current with it. A later short is detected.
+/// error of the clamped branch moves the motional current with it. A short is detected, also while
+/// the stack rings.
 #[test]
 fn a_lower_drive_on_a_ringing_stack_is_accepted() {
-    for taken in [0.05, 0.5, 0.9, 0.98] {
-        for (part, is_short) in [(0.3, false), (0.49, false), (0.8, false), (0.49, true)] {
+    for (taken, part) in [0.05, 0.5, 0.9].into_iter().flat_map(|taken| [0.3, 0.49, 0.8].map(|part| (taken, part))) {
+        for short_at in [usize::MAX, 0, 1, 20, 80, 300] {
             let mut watch = watch();
-            let at = |volts: f32, current: f32, shorted: bool| {
-                // Relative to the command before: h = 1 - taken in the settled state.
-                let v = if shorted { 1e-3 } else { volts - taken * current };
+            // Relative to the drive before, and to the current before.
+            let at = |volts: f32, current: f32| {
+                let v = volts - taken * current;
                 let (i, error) = (current * 0.5 * taken * VOLTS, 0.3 * SUSCEPTANCE * v * VOLTS);
+                let unexplained = (v * VOLTS).abs() < 0.03;
                 let (v, i) = (Phasor::new(v * VOLTS, 0.0), Phasor::new(i, 0.0));
-                let unexplained = v.norm_sqr() < 1e-3;
                 Steady { volts: volts * VOLTS, motional: Phasor::new(i.re, error), v, i, unexplained, ..block(one(), one(), 1.0) }
             };
-            (0..200).for_each(|_| assert!(!watch.check_steady_block(&at(1.0, 1.0, false), || LOAD)));
-            let found = (0..400).position(|n| {
+            (0..200).for_each(|_| assert!(!watch.check_steady_block(&at(1.0, 1.0), || LOAD)));
+            let found = (0..600).position(|n| {
                 let ringing = part + (1.0 - part) * (-(n as f32) / 40.0).exp();
-                // The current of a short is that of the source.
-                let (current, shorted) = if is_short && n > 300 { (2.0 / taken, true) } else { (ringing, false) };
-                watch.check_steady_block(&at(part, current, shorted), || LOAD)
+                // A short leaves a thousandth of the drive.
+                let current = if n >= short_at { 0.999 * part / taken } else { ringing };
+                watch.check_steady_block(&at(part, current), || LOAD)
             });
-            assert_eq!(found.map(|n| n > 300), is_short.then_some(true), "{taken} {part} {found:?}");
+            let most = short_at.saturating_add(250);
+            assert_eq!(
+                found.map(|n| (short_at..most).contains(&n)),
+                (short_at < 600).then_some(true),
+                "{taken} {part} {short_at} {found:?}"
+            );
         }
     }
 }

@@ -67,7 +67,7 @@ const MODEL_ERROR_REL: f32 = 5e-4;
 const SILENT_SIGMAS: f32 = 8.0;
 /// Largest relative change of the voltage per block for which the drive counts as steady.
 const STEADY_VOLTAGE_REL: f32 = 0.02;
-/// Factor by which the estimate may exceed the window of the drive.
+/// Factor by which the estimate may exceed the bounds of the prior, and later the window.
 const WINDOW_FACTOR: f32 = 1.5;
 /// Smallest real part of the pole, `-alpha T`: Q = 2.
 const MIN_POLE_RE: f32 = -1.5;
@@ -102,8 +102,10 @@ pub struct Observer {
     /// Radians per block of 1 Hz.
     radian_per_hz: f32,
     wander: f32,
-    /// Largest distance of the pole from the nominal frequency, rad per block.
+    /// Largest distance of the pole from the nominal frequency, rad per block: of the prior until
+    /// the frequency has settled, then of the drive.
     window: f32,
+    widest: f32,
     /// Noise variance of a block's phasor, A².
     noise: f32,
     /// Nominal inductance, H.
@@ -149,7 +151,8 @@ impl Observer {
             hz_per_radian: 1.0 / (TAU * block_s),
             radian_per_hz: TAU * block_s,
             wander: 2.0 * wander * wander * block_s,
-            window: WINDOW_FACTOR * TAU * window_hz * block_s,
+            window: 0.0,
+            widest: WINDOW_FACTOR * TAU * window_hz * block_s,
             noise: 1.0,
             lm_h: 1.0,
             ohm_per_pole: 0.0,
@@ -169,6 +172,7 @@ impl Observer {
     pub fn start(&mut self, prior: &Prior) {
         let (offset_hz, spread_hz) = prior.offset_hz;
         let spread = TAU * spread_hz * self.block_s;
+        self.window = self.window.max(offset_hz.abs() * TAU * self.block_s + WINDOW_FACTOR * spread);
         self.noise = prior.noise_a * prior.noise_a;
         let (lm_h, deviation) = prior.lm_h;
         let spread_of_strength = larger(deviation / lm_h, MIN_LM_DEVIATION_REL);
@@ -259,6 +263,7 @@ impl Observer {
         if driven && self.calm > ARM_BLOCKS && learned < SETTLED_INFORMATION * self.wander {
             let weight = dot(gain_pole.conj(), per_pole).clamp(0.0, 1.0);
             self.rate += RATE_GAIN * weight * correction.im;
+            self.window = larger(self.window, self.widest);
         }
         // A value that is not a number becomes the lower bound.
         let within = |x: f32, least: f32, most: f32| smaller(larger(x, least), most);

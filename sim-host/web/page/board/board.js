@@ -91,7 +91,10 @@ export class Board {
     byId("b-firmware").addEventListener("click", () => download("nucleo.bin", unpacked(byId("firmware").textContent), "application/octet-stream"));
     byId("b-save-log").addEventListener("click", () => download("board-log.txt", byId("b-log").textContent));
     byId("b-save-script").addEventListener("click", () => download("commands.txt", `${this.commands.join("\n")}\n`));
-    this.bursts = new Bursts((script) => this.run(script).then(() => this.#listSettings()));
+    this.bursts = new Bursts(async (script) => {
+      this.bursts.edited = Boolean(await this.run(script));
+      this.#listSettings();
+    });
   }
 
   async #open(port, name) {

@@ -22,7 +22,7 @@ const WINDOWS = Array.from({ length: MAX_BURSTS }, (_, n) => [`burst.on_${n + 1}
 export class Bursts {
   constructor(store) {
     this.bars = FIRST_S.map((bar) => bar.map(units));
-    this.edited = false;
+    this.stored = this.edited = false;
     this.chosen = 0;
     byId("b-span").replaceChildren(...SPANS_S.map((span) => make("option", { value: span, selected: span === SPANS_S[1] }, quantity(span, "s"))));
     byId("b-span").addEventListener("change", () => this.#fit(Number(byId("b-span").value)));
@@ -30,19 +30,19 @@ export class Bursts {
     byId("b-remove").addEventListener("click", () => this.#splice(this.chosen, 1));
     byId("b-burst").addEventListener("submit", (event) => {
       event.preventDefault();
-      this.edited = false;
       const lines = WINDOWS.flatMap((names, n) => names.map((name, end) => `settings set ${name} ${seconds(this.bars[n]?.[end] ?? 0)}`));
       store(["stop", ...lines, "settings store", "reset", "lock"].join("\n"));
     });
     this.#draw();
   }
 
-  /** Shows the bursts that the board has set, unless they are being edited here. */
+  /** Shows the bursts that the board has set, or else examples, unless they are being edited here. */
   show(parameters) {
     const set = (name) => units(Number(parameters.find((one) => one.name === name)?.set ?? 0));
     const bars = WINDOWS.map((names) => names.map(set)).filter(([on, off]) => off > on);
-    if (this.edited || !bars.length) return;
-    this.bars = bars.sort(([a], [b]) => a - b);
+    if (this.edited) return;
+    this.bars = bars.length ? bars.sort(([a], [b]) => a - b) : FIRST_S.map((bar) => bar.map(units));
+    this.stored = bars.length > 0;
     this.#fit(0);
   }
 
@@ -68,7 +68,7 @@ export class Bursts {
       bar[1] += moved;
     } else if (which === "start") bar[0] = within(bar[0] + by, low, bar[1] - least);
     else bar[1] = within(bar[1] + by, bar[0] + least, high);
-    this.edited = true;
+    this.#edit();
     this.#place();
   }
 
@@ -87,9 +87,11 @@ export class Bursts {
   #splice(n, removed, ...added) {
     this.bars.splice(n, removed, ...added);
     this.chosen = Math.max(0, Math.min(n, this.bars.length - 1));
-    this.edited = true;
+    this.#edit();
     this.#draw();
   }
+
+  #edit() { [this.edited, this.stored] = [true, false]; }
 
   /** Creates the elements of all bars. */
   #draw() {
@@ -123,10 +125,11 @@ export class Bursts {
       set(end, off, on, high);
       move.style.width = percent(off - on);
     });
-    byId("b-bursts").textContent = this.bars.map(([on, off]) => `${plain(on * UNIT_S * 1e3)} to ${plain(off * UNIT_S * 1e3)}`).join(", ") + (this.bars.length ? " ms" : "always on");
+    byId("b-bursts").textContent = (this.stored ? "" : "not stored: ") + this.bars.map(([on, off]) => `${plain(on * UNIT_S * 1e3)} to ${plain(off * UNIT_S * 1e3)}`).join(", ") + (this.bars.length ? " ms" : "always on");
   }
 
   #key(event, n, which) {
+    if (byId("b-acts").disabled) return;
     const step = Math.round(this.#span / (event.shiftKey ? SMALL_STEPS : BIG_STEPS)), far = this.#span;
     const by = { ArrowRight: step, ArrowUp: step, ArrowLeft: -step, ArrowDown: -step, PageUp: 10 * step, PageDown: -10 * step, Home: -far, End: far }[event.key];
     if (by !== undefined) this.#shift(n, which, by);
@@ -138,6 +141,7 @@ export class Bursts {
   }
 
   #drag(event, node, n, which) {
+    if (byId("b-acts").disabled) return;
     node.setPointerCapture(event.pointerId);
     node.focus();
     event.preventDefault();
