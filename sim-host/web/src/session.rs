@@ -119,7 +119,7 @@ mod tests {
             assert!(csv.lines().count() > 1, "{figure}");
         }
         assert!(session.file("trace.csv").unwrap().starts_with("time_s,mode,"));
-        assert!(session.file("summary.json").unwrap().contains("\"drive_hash\": \"74db4faef67f6330\""));
+        assert!(session.file("summary.json").unwrap().contains("\"drive_hash\": \"67fece284568bb71\""));
         assert!(session.file("scene.toml").unwrap().contains("[rig.slider]"));
         assert_eq!(session.file("nothing.csv").unwrap_err(), "the run has no file `nothing.csv`");
     }
