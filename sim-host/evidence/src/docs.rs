@@ -42,15 +42,6 @@ fn transducers_have_these_numbers() {
     }
 }
 
-/// Only transducers with further modes miss a target.
-#[test]
-#[ignore = "takes minutes"]
-fn drift_has_these_numbers() {
-    let mut missed = evidence("drift", "evidence/transducers.md").missed;
-    missed.retain(|missed| !missed.contains("stack.mode.0"));
-    assert_eq!(missed, [""; 0]);
-}
-
 /// The page gives the number of right ones under "What falls short".
 #[test]
 #[ignore = "takes minutes"]

@@ -33,7 +33,7 @@ const PANIC_FUNCTIONS: [(&str, &str); 12] = [
 
 /// Functions, by the beginning of their names, and the reason why they never panic. The first match
 /// counts.
-const REASONS: [(&str, &str); 24] = [
+const REASONS: [(&str, &str); 23] = [
     (
         "sequential_storage::",
         "the geometry of the flash: words and pages have constant sizes, and lengths are checked before a buffer is cut; \
@@ -74,7 +74,6 @@ const REASONS: [(&str, &str); 24] = [
     ("sonoglide_firmware::find::scan::Scan::tune", "a pass has at least `FEWEST_BLOCKS` blocks"),
     ("sonoglide_firmware::controller::stages::scan", "places are below the length of the list, which was read just before"),
     ("sonoglide_firmware::controller::stages::clamped", "every tone has blocks"),
-    ("<heapless::", "the collected items fit by their type"),
 ];
 
 /// Returns the cause of a panic, if this function is a panicking function.
