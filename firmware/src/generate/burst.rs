@@ -333,9 +333,14 @@ impl Burst {
         Envelope::Flat(if open { 1.0 } else { 0.0 })
     }
 
+    /// Returns `true` if a drive has not ended.
+    #[inline]
+    pub(crate) fn is_open(&self) -> bool {
+        self.state != State::Closed
+    }
+
     /// Ends the drive within a block, by a linear ramp from its last level to zero: an end between
-    /// zero crossings would draw a peak of current into the clamped capacitance. Closed, it stays
-    /// closed.
+    /// zero crossings would draw a peak of current into the clamped capacitance.
     #[inline(never)]
     pub(crate) fn fade_out(&mut self, stretch: &Stretch, samples: usize) -> Envelope<'_> {
         let one = Levels::one(self.loudest);
@@ -344,9 +349,6 @@ impl Burst {
             _ => self.level(),
         };
         let _ = self.set_envelope_now(false, stretch, samples);
-        if last == 0.0 {
-            return Envelope::Flat(0.0);
-        }
         if self.levels.len() != samples {
             // There is room for the longest block.
             let _ = self.levels.resize_default(samples);

@@ -123,6 +123,9 @@ impl SignalGenerator {
         block: u64,
         drive: &mut DriveBlock,
     ) -> Played {
+        if mode == Mode::Idle && self.burst.is_open() {
+            return self.fade_out(orders, drive);
+        }
         let running = mode == Mode::Run;
         let stretch = self.nco.advance(self.sweep.next(running), self.samples);
         let tone = stretch.chord(self.samples);
@@ -132,8 +135,7 @@ impl SignalGenerator {
         let now = self.now(block);
         let louder = self.burst.loudest();
         let envelope = match mode {
-            Mode::Idle => self.burst.fade_out(&stretch, self.samples),
-            Mode::Fault => self.burst.set_envelope_now(false, &stretch, self.samples),
+            Mode::Idle | Mode::Fault => self.burst.set_envelope_now(false, &stretch, self.samples),
             Mode::SelfTest | Mode::Scan | Mode::Calibrate | Mode::Clamped => {
                 let open = plan.gate == Gate::On;
                 if mode == Mode::Scan && !open {
@@ -148,26 +150,18 @@ impl SignalGenerator {
             Mode::Lock | Mode::Run => self.burst.envelope(plan.gate, now, &stretch, self.samples, plan.volts),
         };
         let (level, flat) = (envelope.mean(), envelope.is_flat());
-        let fades = mode == Mode::Idle && !flat;
-        let volts = if fades {
-            self.shaper.driven() / self.scale.lsb_per_volt()
-        } else {
-            // A brake may exceed the drive but not the limit, even if the drive has changed since.
-            self.amplitude.limit_volts(plan.volts, louder)
-        };
+        // A brake may exceed the drive but not the limit, even if the drive has changed since.
+        let volts = self.amplitude.limit_volts(plan.volts, louder);
         let (quadrature, _) = self.phasing.quadrature(orders.quadrature.filter(|_| mode != Mode::Calibrate));
         let lanes = self.phasing.lanes(hz, quadrature);
         let gain = lanes.first().map_or(1.0, |lane| lane.gain);
         let play = Play { scale: &self.scale, lanes, stretch, samples: self.samples, volts, louder, envelope };
         let mut plain = Shape::Sine;
-        if !fades {
-            self.shaped = running || mode == Mode::Lock && !observed;
-        }
+        self.shaped = running || mode == Mode::Lock && !observed;
         let pure = !self.shaped || matches!(self.shape, Shape::Sine);
         let shape = if self.shaped { &mut self.shape } else { &mut plain };
         let muted = match mode {
-            Mode::Idle => !fades,
-            Mode::Fault => true,
+            Mode::Idle | Mode::Fault => true,
             Mode::SelfTest | Mode::Clamped => plan.volts == 0.0,
             _ => false,
         };
@@ -190,5 +184,26 @@ impl SignalGenerator {
             pure,
             lane: plan.listen,
         }
+    }
+
+    /// Writes the codes of the block in which a stopped drive fades, and returns their record.
+    #[cold]
+    #[inline(never)]
+    fn fade_out(&mut self, orders: &Orders, drive: &mut DriveBlock) -> Played {
+        let stretch = self.nco.advance(self.sweep.next(false), self.samples);
+        let tone = stretch.chord(self.samples);
+        let offset_hz = self.sweep.hold.offset_of(tone.word);
+        let hz = self.sweep.hold.nominal_hz() + offset_hz;
+        let volts = self.shaper.driven() / self.scale.lsb_per_volt();
+        let louder = self.burst.loudest();
+        let envelope = self.burst.fade_out(&stretch, self.samples);
+        let (quadrature, _) = self.phasing.quadrature(orders.quadrature);
+        let lanes = self.phasing.lanes(hz, quadrature);
+        let play = Play { scale: &self.scale, lanes, stretch, samples: self.samples, volts, louder, envelope };
+        let mut plain = Shape::Sine;
+        self.shaper.shape(if self.shaped { &mut self.shape } else { &mut plain }, &play, drive);
+        drive.listen = 0;
+        // It is not measured.
+        Played { tone, relative: hz / self.sweep.hold.nominal_hz(), offset_hz, volts, envelope: 0.5, ..Played::default() }
     }
 }

@@ -267,9 +267,10 @@ impl Observer {
         }
         // A value that is not a number becomes the lower bound.
         let within = |x: f32, least: f32, most: f32| smaller(larger(x, least), most);
-        let moved = self.pole.im + self.rate;
-        self.pole = Phasor::new(within(self.pole.re, MIN_POLE_RE, MAX_POLE_RE), within(moved, -self.window, self.window));
-        if self.pole.im != moved {
+        self.pole = Phasor::new(within(self.pole.re, MIN_POLE_RE, MAX_POLE_RE), self.pole.im + self.rate);
+        let inside = self.pole.im.abs() <= self.window;
+        if !inside {
+            self.pole.im = within(self.pole.im, -self.window, self.window);
             self.rate = 0.0;
         }
     }
