@@ -73,7 +73,7 @@ impl Controller {
         chain.supervisor.advance(orders, plan.progress);
 
         let modes = (chain.supervisor.mode(), chain.track.tracker.observes());
-        played[slot] = chain.generator.play(orders, &plan, modes, chain.block, drive);
+        chain.generator.play(orders, &plan, modes, chain.block, drive, &mut played[slot]);
         drive.drops_queue = chain.supervisor.take_raised();
         if drive.drops_queue {
             // The new blocks are silent already; the ones returned before are still queued.

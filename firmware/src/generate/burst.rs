@@ -170,6 +170,7 @@ impl Burst {
 
     /// Returns the envelope of `samples` samples of a stretch from sample `now` on, for a drive of
     /// `volts`.
+    #[inline]
     pub fn envelope(&mut self, gate: Gate, now: u64, stretch: &Stretch, samples: usize, volts: f32) -> Envelope<'_> {
         let (open, stays) = self.gate(gate, now);
         if self.boosts {
@@ -291,6 +292,7 @@ impl Burst {
         matches!((self.state, open), (State::Closed, false) | (State::Open { .. }, true))
     }
 
+    #[inline(always)]
     fn level(&self) -> f32 {
         match self.state {
             State::Closed => 0.0,
@@ -339,20 +341,23 @@ impl Burst {
         self.state != State::Closed
     }
 
-    /// Ends the drive within a block, by a linear ramp from its last level to zero: an end between
-    /// zero crossings would draw a peak of current into the clamped capacitance.
+    /// Ends the drive, at once or by a linear ramp from its last level to zero over the block: an
+    /// end between zero crossings would draw a peak of current into the clamped capacitance.
     #[inline(never)]
-    pub(crate) fn fade_out(&mut self, stretch: &Stretch, samples: usize) -> Envelope<'_> {
+    pub(crate) fn fade_out(&mut self, fades: bool, stretch: &Stretch, samples: usize) -> Envelope<'_> {
+        if self.levels.len() != samples {
+            // There is room for the longest block. The first edge would have no time for this.
+            let _ = self.levels.resize_default(samples);
+        }
+        if !fades {
+            return self.set_envelope_now(false, stretch, samples);
+        }
         let one = Levels::one(self.loudest);
         let last = match (self.edge, self.levels.last()) {
             (Some(edge), Some(&part)) if !self.ramp.is_multiple_of(edge) => part as f32 / one,
             _ => self.level(),
         };
         let _ = self.set_envelope_now(false, stretch, samples);
-        if self.levels.len() != samples {
-            // There is room for the longest block.
-            let _ = self.levels.resize_default(samples);
-        }
         let step = last / samples as f32;
         for (n, part) in self.levels.iter_mut().rev().enumerate() {
             *part = (n as f32 * step * one) as i32;

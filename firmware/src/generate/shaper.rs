@@ -149,6 +149,18 @@ impl Shaper {
         Some(1.0)
     }
 
+    /// Writes a block in which a drive ends. Apart from `shape`, which the fast memory of a board
+    /// holds only once.
+    pub(crate) fn fade(&mut self, shape: &mut Shape, play: &Play, drive: &mut DriveBlock) {
+        fit(play, drive);
+        let size = Size::new(play);
+        match shape {
+            Shape::Sine => self.swung(size, play, drive),
+            Shape::Harmonics(_, bands) => self.read(&bands.at(play.stretch.frequency()), size, play, drive),
+            Shape::Noise(_, noise) => self.noise(noise, size, play, drive),
+        }
+    }
+
     /// Raises the largest compensation to that of an edge of this amplitude, codes.
     #[inline(never)]
     fn raise_owed_limit(&mut self, amplitude: f32, frequency: f32) {

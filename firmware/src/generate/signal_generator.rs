@@ -112,8 +112,8 @@ impl SignalGenerator {
         self.amplitude.set_loudest(self.phasing.loudest())
     }
 
-    /// Writes the codes of a plan, and returns their record. `observed`: the observer locks, which
-    /// needs a sine for any shape.
+    /// Writes the codes of a plan, and their record. `observed`: the observer locks, which needs a
+    /// sine for any shape.
     #[inline]
     pub(crate) fn play(
         &mut self,
@@ -122,9 +122,10 @@ impl SignalGenerator {
         (mode, observed): (Mode, bool),
         block: u64,
         drive: &mut DriveBlock,
-    ) -> Played {
-        if mode == Mode::Idle && self.burst.is_open() {
-            return self.fade_out(orders, drive);
+        played: &mut Played,
+    ) {
+        if matches!(mode, Mode::Idle | Mode::Fault) {
+            return self.rest(orders, plan, mode, drive, played);
         }
         let running = mode == Mode::Run;
         let stretch = self.nco.advance(self.sweep.next(running), self.samples);
@@ -135,7 +136,6 @@ impl SignalGenerator {
         let now = self.now(block);
         let louder = self.burst.loudest();
         let envelope = match mode {
-            Mode::Idle | Mode::Fault => self.burst.set_envelope_now(false, &stretch, self.samples),
             Mode::SelfTest | Mode::Scan | Mode::Calibrate | Mode::Clamped => {
                 let open = plan.gate == Gate::On;
                 if mode == Mode::Scan && !open {
@@ -147,7 +147,7 @@ impl SignalGenerator {
             }
             // Without a voltage there is no burst: the next one begins at zero.
             Mode::Lock | Mode::Run if plan.volts == 0.0 => self.burst.set_envelope_now(false, &stretch, self.samples),
-            Mode::Lock | Mode::Run => self.burst.envelope(plan.gate, now, &stretch, self.samples, plan.volts),
+            _ => self.burst.envelope(plan.gate, now, &stretch, self.samples, plan.volts),
         };
         let (level, flat) = (envelope.mean(), envelope.is_flat());
         // A brake may exceed the drive but not the limit, even if the drive has changed since.
@@ -160,11 +160,7 @@ impl SignalGenerator {
         self.shaped = running || mode == Mode::Lock && !observed;
         let pure = !self.shaped || matches!(self.shape, Shape::Sine);
         let shape = if self.shaped { &mut self.shape } else { &mut plain };
-        let muted = match mode {
-            Mode::Idle | Mode::Fault => true,
-            Mode::SelfTest | Mode::Clamped => plan.volts == 0.0,
-            _ => false,
-        };
+        let muted = matches!(mode, Mode::SelfTest | Mode::Clamped) && plan.volts == 0.0;
         let fundamental = if muted {
             self.shaper.mute(&play, drive);
             Some(1.0)
@@ -172,7 +168,7 @@ impl SignalGenerator {
             self.shaper.shape(shape, &play, drive)
         };
         drive.listen = plan.listen;
-        Played {
+        *played = Played {
             tone,
             relative: hz / self.sweep.hold.nominal_hz(),
             offset_hz,
@@ -183,27 +179,44 @@ impl SignalGenerator {
             flat,
             pure,
             lane: plan.listen,
-        }
+        };
     }
 
-    /// Writes the codes of the block in which a stopped drive fades, and returns their record.
-    #[cold]
+    /// Writes silence, after the block in which a stopped drive fades, and the record.
     #[inline(never)]
-    fn fade_out(&mut self, orders: &Orders, drive: &mut DriveBlock) -> Played {
+    fn rest(&mut self, orders: &Orders, plan: &Plan, mode: Mode, drive: &mut DriveBlock, played: &mut Played) {
         let stretch = self.nco.advance(self.sweep.next(false), self.samples);
         let tone = stretch.chord(self.samples);
         let offset_hz = self.sweep.hold.offset_of(tone.word);
         let hz = self.sweep.hold.nominal_hz() + offset_hz;
-        let volts = self.shaper.driven() / self.scale.lsb_per_volt();
         let louder = self.burst.loudest();
-        let envelope = self.burst.fade_out(&stretch, self.samples);
         let (quadrature, _) = self.phasing.quadrature(orders.quadrature);
         let lanes = self.phasing.lanes(hz, quadrature);
+        let gain = lanes.first().map_or(1.0, |lane| lane.gain);
+        let fades = mode == Mode::Idle && self.burst.is_open();
+        let volts = if fades { self.shaper.driven() / self.scale.lsb_per_volt() } else { 0.0 };
+        let envelope = self.burst.fade_out(fades, &stretch, self.samples);
+        let level = envelope.mean();
         let play = Play { scale: &self.scale, lanes, stretch, samples: self.samples, volts, louder, envelope };
-        let mut plain = Shape::Sine;
-        self.shaper.shape(if self.shaped { &mut self.shape } else { &mut plain }, &play, drive);
-        drive.listen = 0;
-        // It is not measured.
-        Played { tone, relative: hz / self.sweep.hold.nominal_hz(), offset_hz, volts, envelope: 0.5, ..Played::default() }
+        if fades {
+            let mut plain = Shape::Sine;
+            self.shaper.fade(if self.shaped { &mut self.shape } else { &mut plain }, &play, drive);
+        } else {
+            self.shaper.mute(&play, drive);
+        }
+        drive.listen = plan.listen;
+        *played = Played {
+            tone,
+            relative: hz / self.sweep.hold.nominal_hz(),
+            offset_hz,
+            volts,
+            // The block that fades is not measured.
+            audible: (!fades && plan.listen == 0).then_some(gain),
+            envelope: level,
+            flat: !fades,
+            pure: !fades,
+            lane: plan.listen,
+            ..Played::default()
+        };
     }
 }

@@ -122,6 +122,15 @@ pub(crate) struct Load {
     pub(crate) noise: f32,
 }
 
+/// Judgement of a voltage.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Verdict {
+    Good,
+    /// Too small because of the current of a ringing stack: it teaches nothing.
+    Taken,
+    Broken,
+}
+
 /// State of the continuity checks.
 #[derive(Clone, Debug)]
 pub(crate) struct Continuity {
@@ -278,10 +287,14 @@ impl Continuity {
     pub(crate) fn check_steady_block(&mut self, block: &Steady, load: impl FnOnce() -> Load) -> bool {
         self.steady = self.steady.wrapping_add(1);
         self.misplayed = 0;
-        self.mark_out_of_sequence(block, block.unexplained || self.is_of_another_block(block));
+        // Voltage and current take turns: a block has no time for both.
+        if self.steady & 1 != 0 {
+            self.failed |= self.check_voltage(block);
+            return self.failed;
+        }
+        let off = block.v - self.voltage * block.volts;
+        self.mark_out_of_sequence(block, block.unexplained || self.is_of_another_block(off, block.volts));
         self.failed |= match self.steady {
-            // Voltage and current take turns: a block has no time for both.
-            steady if steady & 1 != 0 => self.check_voltage(block),
             _ if !block.tracked => false,
             2 => self.check_start(block, &load()),
             _ => self.check_jump(block, load),
@@ -299,13 +312,12 @@ impl Continuity {
         self.out_of_sequence = out_of_sequence && block.tracked && self.steady > CALM_BLOCKS && !self.out_of_sequence;
     }
 
-    /// Returns `true` if the voltage is so far from its mean that the codes are those of another
-    /// block.
+    /// Returns `true` if the voltage at a drive is so far from its mean, by `off`, that the codes
+    /// are those of another block.
     #[inline]
-    fn is_of_another_block(&self, block: &Steady) -> bool {
-        let off = block.v - self.voltage * block.volts;
-        off.norm_sqr() > OUT_OF_SEQUENCE_REL * OUT_OF_SEQUENCE_REL * self.voltage.norm_sqr() * block.volts * block.volts
-            && self.checks >= REFERENCE_CHECKS
+    fn is_of_another_block(&self, off: Phasor, volts: f32) -> bool {
+        let mean = self.voltage * volts;
+        off.norm_sqr() > OUT_OF_SEQUENCE_REL * OUT_OF_SEQUENCE_REL * mean.norm_sqr() && self.checks >= REFERENCE_CHECKS
     }
 
     /// Returns `true` if the voltage has been impossible for too long.
@@ -316,28 +328,41 @@ impl Continuity {
         if self.steady == 1 {
             self.past[0] = y;
         }
-        let off = h - self.voltage;
-        let tolerated = VOLTAGE_TOLERANCE_REL * VOLTAGE_TOLERANCE_REL * self.tolerance_square();
-        let elsewhere = self.checks >= REFERENCE_CHECKS && off.norm_sqr() > tolerated && !self.explains(off, block);
         // A ringing stack also returns the voltage of an earlier, larger drive.
         self.recent_v = larger(block.volts, RECENT_REL * self.recent_v);
-        let most_square = self.most_h_square * self.recent_v * self.recent_v;
+        let off = h - self.voltage;
+        let suspicious = off.norm_sqr() > VOLTAGE_TOLERANCE_REL * VOLTAGE_TOLERANCE_REL * self.voltage.norm_sqr()
+            || h.norm_sqr() > self.most_h_square
+            || block.unexplained
+            || block.v.norm_sqr() > self.limit;
+        self.mark_out_of_sequence(block, block.unexplained || suspicious && self.is_of_another_block(off, 1.0));
+        let verdict = if suspicious { self.judge_voltage(h, off, block) } else { Verdict::Good };
+        if verdict == Verdict::Good {
+            self.current_square = block.i.norm_sqr();
+            self.learn(h, y, block.offset_hz);
+        }
+        self.broken = if verdict == Verdict::Broken { self.broken + 1 } else { 0 };
+        self.broken >= BROKEN_CHECKS
+    }
+
+    /// Judges a voltage that is not near its mean, or not that of a sine. `h` deviates from its
+    /// mean by `off`.
+    #[cold]
+    #[inline(never)]
+    fn judge_voltage(&self, h: Phasor, off: Phasor, block: &Steady) -> Verdict {
+        let tolerated = VOLTAGE_TOLERANCE_REL * VOLTAGE_TOLERANCE_REL * self.tolerance_square();
+        let elsewhere = self.checks >= REFERENCE_CHECKS && off.norm_sqr() > tolerated && !self.explains(off, block);
         // Near zero, the amplitude of the voltage changes within a block.
         let taken = self.is_taken_by_ringing(h, block, TAKEN_REL);
-        if elsewhere
-            || block.tracked && block.unexplained && !taken
-            || block.v.norm_sqr() > most_square
-            || block.v.norm_sqr() > self.limit
-        {
-            self.broken += 1;
+        let most_square = self.most_h_square * self.recent_v * self.recent_v;
+        let square = block.v.norm_sqr();
+        if elsewhere || block.tracked && block.unexplained && !taken || square > most_square || square > self.limit {
+            Verdict::Broken
+        } else if taken {
+            Verdict::Taken
         } else {
-            self.broken = 0;
-            if !taken {
-                self.current_square = block.i.norm_sqr();
-                self.learn(h, y, block.offset_hz);
-            }
+            Verdict::Good
         }
-        self.broken >= BROKEN_CHECKS
     }
 
     /// Updates the means with a good block.
@@ -360,7 +385,6 @@ impl Continuity {
 
     /// Returns the square of the voltage to which tolerances relate, relative to the drive: that of
     /// a stack which takes most of it from the source can pass zero.
-    #[inline]
     fn tolerance_square(&self) -> f32 {
         larger(self.voltage.norm_sqr(), LEAST_VOLTAGE_REL * LEAST_VOLTAGE_REL)
     }
@@ -368,7 +392,6 @@ impl Continuity {
     /// Returns `true` if `h` is below this part of its mean, soon after the amplitude has been
     /// lowered, under a current that has not risen: the current of the ringing stack causes the
     /// voltage drop in the source.
-    #[inline]
     fn is_taken_by_ringing(&self, h: Phasor, block: &Steady, part: f32) -> bool {
         is_step(self.recent_v, block.volts)
             && h.norm_sqr() < part * part * self.voltage.norm_sqr()
@@ -411,12 +434,12 @@ impl Continuity {
         let (jump, came, goes_on) = (after - before, before - first, block.motional - after);
         let (size, least) = (jump.norm_sqr(), larger(block.i.norm_sqr(), before.norm_sqr()));
         let stays = LEVEL_REL * LEVEL_REL * size;
-        // The error of the motional current changes with the drive.
         self.steady >= JUMP_ARM_BLOCKS
-            && !is_step(before_v, after_v)
             && size > JUMP_REL * JUMP_REL * least
             && goes_on.norm_sqr() < stays
             && came.norm_sqr() < stays
+            // The error of the motional current changes with the drive.
+            && !is_step(before_v, after_v)
             && self.is_impossible(jump * (1.0 / block.volts), block, &load())
     }
 

@@ -195,8 +195,8 @@ impl TrackedTransducer {
         self.is_uncertain = false;
         let contradicts = TAU * transducer.series_resonance_hz * off_f.abs() * transducer.rm_ohm > LOSSY_CONTRADICTION;
         // Two standard deviations, in half bandwidths.
-        let shift = 4.0 * transducer.q * transducer.deviations.series_resonance_hz / transducer.series_resonance_hz;
-        self.is_lossy = contradicts || shift > LOSSY_SHIFT;
+        let shift_hz = 4.0 * transducer.q * transducer.deviations.series_resonance_hz;
+        self.is_lossy = contradicts || shift_hz > LOSSY_SHIFT * transducer.series_resonance_hz;
         self.learning.adopt(transducer);
     }
 

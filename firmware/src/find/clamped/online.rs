@@ -117,6 +117,11 @@ pub struct Online {
     step_hz: f32,
     settle_blocks: u32,
     quarter_blocks: u32,
+    /// Blocks of a round: three settling times and four quarters, two of them in the middle.
+    round_blocks: u32,
+    /// Growth of `variance` per block: the random walk whose standard deviation after a round
+    /// equals a steady drift during it.
+    wander: f32,
     /// Blocks of this round; zero between rounds.
     round: u32,
     /// Blocks measured since the last step.
@@ -170,6 +175,8 @@ impl Online {
             step_hz: 0.0,
             settle_blocks: 0,
             quarter_blocks: 0,
+            round_blocks: 0,
+            wander: 0.0,
             round: 0,
             settled: 0,
             last_hz: 0.0,
@@ -212,6 +219,9 @@ impl Online {
         self.step_hz = STEP_HALF_BANDWIDTHS * 0.5 * resonance_hz / q;
         self.settle_blocks = (SETTLE_TIME_CONSTANTS * tau_blocks) as u32 + 1;
         self.quarter_blocks = QUARTER_BLOCKS.max(QUARTER_TIME_CONSTANTS * tau_blocks) as u32;
+        self.round_blocks = 3 * self.settle_blocks + 4 * self.quarter_blocks;
+        let wandered = self.drift_per_s * self.block_s;
+        self.wander = wandered * wandered * self.round_blocks as f32;
     }
 
     /// Returns `true` during a round, when the drive is off the lock point on purpose.
@@ -268,15 +278,13 @@ impl Online {
     // Not inlined: few blocks need it, and the others must not pay for its registers.
     #[inline(never)]
     pub fn step(&mut self, sample: &Sample) -> Output {
-        let wandered = self.drift_per_s * self.block_s;
-        // Random walk whose standard deviation after a round equals a steady drift during it.
-        self.variance += wandered * wandered * self.round_blocks() as f32;
+        self.variance += self.wander;
         let stepped = (sample.detune_hz - self.last_hz).abs() > 0.5 * self.step_hz;
         self.settled = if stepped { 0 } else { self.settled.saturating_add(1) };
         self.last_hz = sample.detune_hz;
         let hold = self.settled < self.settle_blocks;
-        let stepped = is_step(core::mem::replace(&mut self.volts, sample.volts), sample.volts);
-        if !sample.steady || self.steady > 0 && stepped {
+        let before_v = core::mem::replace(&mut self.volts, sample.volts);
+        if !sample.steady || self.steady > 0 && is_step(before_v, sample.volts) {
             self.stop();
             return Output { hold, ..Output::default() };
         }
@@ -287,7 +295,7 @@ impl Online {
         }
         self.listen(sample, hold);
         self.round += 1;
-        if self.round <= self.round_blocks() + LATENCY_BLOCKS as u32 {
+        if self.round <= self.round_blocks + LATENCY_BLOCKS as u32 {
             return Output { detune_hz: self.probe_hz(), hold, update: None };
         }
         let update = self.finish();
@@ -319,17 +327,11 @@ impl Online {
         }
     }
 
-    /// Returns the blocks of a round: three settling times and four quarters, two of them in the
-    /// middle.
-    fn round_blocks(&self) -> u32 {
-        3 * self.settle_blocks + 4 * self.quarter_blocks
-    }
-
     fn probe_hz(&self) -> f32 {
         let first = self.settle_blocks + self.quarter_blocks;
         let second = first + self.settle_blocks + 2 * self.quarter_blocks;
         match self.round {
-            n if n > self.round_blocks() => 0.0,
+            n if n > self.round_blocks => 0.0,
             n if n > first && n <= second => -self.step_hz,
             _ => self.step_hz,
         }

@@ -282,7 +282,7 @@ impl ModeSearch {
     /// strongest one.
     fn is_turned(&self, which: usize) -> bool {
         let conductances = || self.fitted.poles.iter().map(|pole| pole.conductance);
-        let strongest = conductances().max_by(|a, b| a.norm_sqr().total_cmp(&b.norm_sqr())).unwrap_or_default();
+        let strongest = conductances().reduce(|a, b| if a.norm_sqr() > b.norm_sqr() { a } else { b }).unwrap_or_default();
         conductances().nth(which).is_some_and(|conductance| {
             let along = conductance * strongest.conj();
             along.im.abs() > MAX_TURN * along.re

@@ -130,6 +130,7 @@ impl Bands {
     }
 
     /// Returns the waveform at a frequency, cycles a sample.
+    #[inline(always)]
     pub(crate) fn at(&self, cycles_per_sample: f32) -> Blend {
         // The highest harmonic that has not faded out completely; the conversion saturates.
         let there = (FADE_END / cycles_per_sample) as u32;

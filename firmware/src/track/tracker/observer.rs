@@ -263,7 +263,7 @@ impl Observer {
         if driven && self.calm > ARM_BLOCKS && learned < SETTLED_INFORMATION * self.wander {
             let weight = dot(gain_pole.conj(), per_pole).clamp(0.0, 1.0);
             self.rate += RATE_GAIN * weight * correction.im;
-            self.window = larger(self.window, self.widest);
+            self.window = self.widest;
         }
         // A value that is not a number becomes the lower bound.
         let within = |x: f32, least: f32, most: f32| smaller(larger(x, least), most);
