@@ -63,8 +63,8 @@ pub struct Load {
     pub flash_fetches: f64,
     /// Longest time with interrupts masked, cycles.
     pub longest_masked: u32,
-    /// Share of each function in the block interrupts, the most cycles first; empty if not
-    /// requested.
+    /// Share of each function in the block interrupts, those with the most cycles in the longest
+    /// block first; empty if not requested.
     pub functions: Vec<InFunction>,
 }
 
@@ -79,6 +79,10 @@ pub struct InFunction {
     pub cycles: u64,
     /// Number of fetches of these instructions from flash, of 8 bytes each.
     pub flash_fetches: u64,
+    /// Instructions and cycles of these in the block with the most cycles.
+    pub longest_instructions: u64,
+    /// See `longest_instructions`.
+    pub longest_cycles: u64,
 }
 
 /// Memory of a controller on its own processor, bytes.

@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 use std::time::Duration;
 
-use cortex_m4::{Cycle, Fetches, ImageError, Machine, Memory, Passage, Spent, Stop};
+use cortex_m4::{Cycle, Fetches, ImageError, Machine, Memory, Passage, Stop};
 use firmware::seam::block::{DriveBlock, Orders, Request, SenseBlock};
 use firmware::seam::config::{Config, LaneTrims};
 use nucleo_g474re::{pages, slots};
@@ -235,11 +235,13 @@ impl Board {
         let Fetches { all, waiting } = std::mem::take(&mut self.fetches);
         let profile = self.machine.take_profile();
         let functions = profile.as_ref().map(|profile| self.machine.functions_of(profile)).unwrap_or_default();
-        let named = |(name, spent): (Option<&str>, Spent)| InFunction {
-            name: name.unwrap_or("code without a symbol").to_owned(),
-            instructions: spent.instructions,
-            cycles: spent.cycles,
-            flash_fetches: spent.fetches,
+        let named = |of: cortex_m4::InFunction| InFunction {
+            name: of.name.unwrap_or("code without a symbol").to_owned(),
+            instructions: of.all.instructions,
+            cycles: of.all.cycles,
+            flash_fetches: of.all.fetches,
+            longest_instructions: of.longest.instructions,
+            longest_cycles: of.longest.cycles,
         };
         let functions = functions.into_iter().map(named).collect();
         if profile.is_some() {

@@ -101,6 +101,6 @@ pub use exceptions::UnknownRegister;
 pub use interrupts::{Interrupts, LINES};
 pub use machine::{Machine, Stop};
 pub use memory::{Memory, Region};
-pub use profile::{Handled, Profile, Spent};
+pub use profile::{Handled, InFunction, Profile, Spent};
 pub use timing::Timing;
 pub use watch::{Fetches, Passage};

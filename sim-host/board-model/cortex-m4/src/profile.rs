@@ -14,6 +14,17 @@ pub struct Spent {
     pub fetches: u64,
 }
 
+impl Spent {
+    /// Returns the cost since an earlier state.
+    fn since(&self, before: &Spent) -> Spent {
+        Spent {
+            instructions: self.instructions - before.instructions,
+            cycles: self.cycles - before.cycles,
+            fetches: self.fetches - before.fetches,
+        }
+    }
+}
+
 /// Cost of an exception.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Handled {
@@ -30,6 +41,9 @@ pub struct Handled {
 pub struct Profile {
     /// Cost by the index of the function; the last entry is code without a symbol.
     spent: Vec<Spent>,
+    /// The same until the last entry of `only`, and in its longest execution.
+    before: Vec<Spent>,
+    longest: Vec<Spent>,
     /// Exception in which functions are counted; `None` counts everywhere.
     only: Option<u16>,
     /// Cost by exception number.
@@ -38,6 +52,17 @@ pub struct Profile {
     active: Vec<(u16, Cycle)>,
     /// Index and addresses of the function of the last instruction.
     last: (usize, std::ops::Range<u32>),
+}
+
+/// Cost of a function in a profile.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct InFunction<'a> {
+    /// Name; `None` for code without a symbol.
+    pub name: Option<&'a str>,
+    /// Total cost.
+    pub all: Spent,
+    /// Cost in the longest execution of the only exception; zero if there is none.
+    pub longest: Spent,
 }
 
 impl Profile {
@@ -60,19 +85,17 @@ impl<C: Chip> Machine<C> {
         self.profile.take().map(|profile| *profile)
     }
 
-    /// Returns the functions with cycles in a profile of this image, the most expensive first. Code
-    /// without a symbol has no name.
-    pub fn functions_of(&self, profile: &Profile) -> Vec<(Option<&str>, Spent)> {
+    /// Returns the functions with cycles in a profile of this image, those with the most cycles in
+    /// the longest execution first.
+    pub fn functions_of(&self, profile: &Profile) -> Vec<InFunction<'_>> {
         let functions = self.symbols.functions();
-        let name = |index: usize| functions.get(index).map(|function| function.name.as_str());
-        let mut all: Vec<_> = profile
-            .spent
-            .iter()
-            .enumerate()
-            .filter(|(_, spent)| spent.cycles > 0)
-            .map(|(index, spent)| (name(index), *spent))
-            .collect();
-        all.sort_by_key(|(_, spent)| std::cmp::Reverse(spent.cycles));
+        let of = |(index, all): (usize, &Spent)| InFunction {
+            name: functions.get(index).map(|function| function.name.as_str()),
+            all: *all,
+            longest: profile.longest.get(index).copied().unwrap_or_default(),
+        };
+        let mut all: Vec<_> = profile.spent.iter().enumerate().filter(|(_, spent)| spent.cycles > 0).map(of).collect();
+        all.sort_by_key(|function| std::cmp::Reverse((function.longest.cycles, function.all.cycles)));
         all
     }
 
@@ -101,6 +124,9 @@ impl<C: Chip> Machine<C> {
     pub(crate) fn profile_entry(&mut self, exception: u16) {
         if let Some(profile) = &mut self.profile {
             profile.active.push((exception, self.cpu.cycle));
+            if profile.only == Some(exception) {
+                profile.before.clone_from(&profile.spent);
+            }
         }
     }
 
@@ -113,6 +139,10 @@ impl<C: Chip> Machine<C> {
         let handled = profile.handled.entry(exception).or_default();
         handled.entries += 1;
         handled.cycles += cycles;
+        if profile.only == Some(exception) && cycles > handled.longest {
+            let taken = |(after, before): (&Spent, &Spent)| after.since(before);
+            profile.longest = profile.spent.iter().zip(&profile.before).map(taken).collect();
+        }
         handled.longest = handled.longest.max(cycles);
     }
 }

@@ -73,23 +73,22 @@ impl Instrument for ProcessorLoad {
 /// Maximum number of rows of a profile.
 const MAX_FUNCTIONS: usize = 25;
 
-/// Returns the functions that take most of the block interrupt, per block.
+/// Returns the functions that take most of the longest block interrupt.
 fn profile(functions: &[InFunction], blocks: Option<Taken>) -> TableBlock {
     let blocks = blocks.map_or(1.0, |taken| taken.blocks as f64);
-    let all: u64 = functions.iter().map(|function| function.cycles).sum();
     let row = |function: &InFunction| {
         let a_block = |count: u64| format!("{:.1}", count as f64 / blocks);
-        let InFunction { name, instructions, cycles, flash_fetches } = function;
-        let part = 100.0 * *cycles as f64 / all as f64;
-        vec![name.clone(), format!("{part:.1}"), a_block(*cycles), a_block(*instructions), a_block(*flash_fetches)]
+        let InFunction { name, instructions, cycles, flash_fetches, longest_instructions, longest_cycles } = function;
+        let longest = [longest_cycles, longest_instructions].map(ToString::to_string);
+        [name.clone()].into_iter().chain(longest).chain([*cycles, *instructions, *flash_fetches].map(a_block)).collect()
     };
     let caption = format!(
-        "Mean per block, without the cycles of entry and return. The {} functions with the most cycles, of {}; an inlined \
-         function counts as part of its caller.",
+        "In the block with the most cycles, and the mean per block, without entry and return. The {} functions with the most \
+         cycles in the longest block, of {}; an inlined function counts as part of its caller.",
         MAX_FUNCTIONS.min(functions.len()),
         functions.len()
     );
-    let header = ["function", "share, %", "cycles", "instructions", "fetches from flash"];
+    let header = ["function", "longest block, cycles", "instructions", "mean, cycles", "instructions", "fetches from flash"];
     TableBlock::new(
         "profile",
         "Block interrupt by function",
