@@ -84,7 +84,7 @@ const EXAMPLES: &[Example] = &[
         "four times C0 and twenty times Q: another transducer is connected",
         "lock",
         &[ON, OFF, OBSERVER],
-        (Failure::Load(Load { q: 20.0, c0: 4.0, bandwidths: 0.6 }), 0.12, 0.25),
+        (Failure::Load(Load { q: 20.0, c0: 4.0, bandwidths: -0.5 }), 0.12, 0.25),
     ),
     Example::new(
         34,
