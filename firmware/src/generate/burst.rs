@@ -292,6 +292,7 @@ impl Burst {
         matches!((self.state, open), (State::Closed, false) | (State::Open { .. }, true))
     }
 
+    // Inlined, so that it is in the fast memory of a board like its caller.
     #[inline(always)]
     fn level(&self) -> f32 {
         match self.state {

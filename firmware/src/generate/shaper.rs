@@ -149,8 +149,8 @@ impl Shaper {
         Some(1.0)
     }
 
-    /// Writes a block in which a drive ends. Apart from `shape`, which the fast memory of a board
-    /// holds only once.
+    /// Writes a block in which a drive ends. A second call of `shape` would keep that function out
+    /// of the fast memory of a board, where its only caller is.
     pub(crate) fn fade(&mut self, shape: &mut Shape, play: &Play, drive: &mut DriveBlock) {
         fit(play, drive);
         let size = Size::new(play);

@@ -130,6 +130,7 @@ impl Bands {
     }
 
     /// Returns the waveform at a frequency, cycles a sample.
+    // Inlined, so that it is in the fast memory of a board like its caller.
     #[inline(always)]
     pub(crate) fn at(&self, cycles_per_sample: f32) -> Blend {
         // The highest harmonic that has not faded out completely; the conversion saturates.
