@@ -47,7 +47,7 @@ use crate::board::settings::Settings;
 use crate::board::settings_store::SettingsStore;
 use crate::board::start::Start;
 use crate::board::update::Updates;
-use crate::seam::block::{Orders, Request};
+use crate::seam::block::{LATENCY_BLOCKS, Orders, Request};
 use crate::seam::config::Config;
 use crate::seam::mode::Mode;
 use crate::seam::refusal::Refusal;
@@ -100,6 +100,8 @@ pub struct App<'a, L, E, S, W, F: NorFlash> {
     /// `true` from a press of the emergency stop until it is in the queue of orders.
     stop_unordered: bool,
     seen: Option<Telemetry>,
+    /// Number of blocks until the drive has played: zero in silence and in a fault.
+    queued: usize,
     telemetry_every: u32,
     last_telemetry: u32,
     telemetry_frames: u16,
@@ -165,6 +167,7 @@ where
             stopping: false,
             stop_unordered: false,
             seen: None,
+            queued: 0,
             telemetry_every: 0,
             last_telemetry: 0,
             telemetry_frames: 0,
@@ -256,6 +259,12 @@ where
             }
             self.faults.record(telemetry, self.seen.as_ref());
             self.seen = Some(*telemetry);
+            // A drive that ends is queued, and fades; a fault does not wait for its queued blocks.
+            self.queued = match telemetry.mode {
+                Mode::Fault => 0,
+                Mode::Idle => self.queued.saturating_sub(1),
+                _ => LATENCY_BLOCKS + 1,
+            };
             // There is room: no more reports circulate than the queue holds.
             let _ = self.read.enqueue(telemetry);
             came = true;
@@ -280,7 +289,7 @@ where
     fn watch_stop(&mut self) -> Result<(), AppError> {
         let pressed = self.peripherals.stop.is_low().map_err(|_| AppError::Pin)?;
         self.stop_unordered |= pressed && !self.latest.emergency_stop;
-        self.stopping = pressed || self.stop_unordered || (self.stopping && self.is_driving());
+        self.stopping = pressed || self.stop_unordered || (self.stopping && self.queued > 0);
         if self.stopping {
             self.peripherals.enable.set_low().map_err(|_| AppError::Pin)?;
         }
@@ -304,7 +313,7 @@ where
 
     fn set_enable(&mut self) -> Result<(), AppError> {
         let faulted = self.seen.is_some_and(|seen| seen.mode == Mode::Fault);
-        let on = (self.is_driving() || (self.attempt_is_pending() && !faulted)) && !self.stopping && !self.hardware.muted;
+        let on = (self.queued > 0 || (self.attempt_is_pending() && !faulted)) && !self.stopping && !self.hardware.muted;
         self.peripherals.enable.set_state(on.into()).map_err(|_| AppError::Pin)
     }
 
