@@ -117,6 +117,7 @@ impl Parts {
             phasing,
             shape,
             shaped: false,
+            fades: false,
         };
         let supervisor = Supervisor::new(Acquisition::from_tracking(config.tracking.mode));
         let track = TrackedTransducer::build(config, tracker);

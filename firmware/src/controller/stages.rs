@@ -106,12 +106,13 @@ impl Stages {
     fn go_back(&mut self, chain: &mut Chain, mode: Mode) {
         match mode {
             Mode::SelfTest => {
+                chain.generator.fade();
                 self.self_test.begin(chain);
                 self.clamped.begin_twice(chain.track.transducer().map(|transducer| transducer.q));
             }
             Mode::Scan => {
-                self.scan.begin(chain);
-                self.scan.off_resonance_c0_f = self.clamped.shown_c0_f;
+                chain.generator.fade();
+                self.scan.restart_after_drive(self.clamped.shown_c0_f);
             }
             _ => {}
         }

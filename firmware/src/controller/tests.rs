@@ -115,12 +115,12 @@ fn a_scan_begins_at_zero() {
     assert_eq!(began, 2);
 }
 
-/// A run that is stopped, at any phase, with any waveform and in every lane, fades within a block,
-/// in steps little larger than before. Then there is silence.
+/// A run that another order ends, at any phase, with any waveform and in every lane, fades within a
+/// block, in steps little larger than before. Then there is silence.
 #[test]
-fn a_stopped_run_fades_within_a_block() {
+fn a_run_that_ends_fades_within_a_block() {
     use crate::seam::config::{Edge, ShapeKind, TrackingMode};
-    let run = |shape, edge, blocks: usize| {
+    let run = |shape, edge, blocks: usize, next| {
         let mut config = config();
         (config.lanes, config.drive.shape) = (4, shape);
         (config.burst.edge, config.burst.edge_cycles) = (edge, 100.0);
@@ -135,8 +135,8 @@ fn a_stopped_run_fades_within_a_block() {
             let ends = running == blocks;
             let orders = Orders {
                 sequence: 1 + u32::from(ends),
-                attempt: 1,
-                request: if ends { Request::Idle } else { Request::Run },
+                attempt: 1 + u32::from(ends),
+                request: if ends { next } else { Request::Run },
                 gate: Gate::On,
                 ..Orders::default()
             };
@@ -158,8 +158,8 @@ fn a_stopped_run_fades_within_a_block() {
         (ShapeKind::Noise, Edge::Hard),
     ] {
         // Within the ramp of the soft edge, and after it.
-        for blocks in (40..130).step_by(7) {
-            let drives = run(shape, edge, blocks);
+        for (blocks, next) in (40..130).step_by(7).zip([Request::Idle, Request::Scan, Request::Calibrate].into_iter().cycle()) {
+            let drives = run(shape, edge, blocks, next);
             let [before @ .., fade, silence] = &*drives else { panic!() };
             for lane in 0..4 {
                 let codes = |drives: &[DriveBlock]| {

@@ -2,6 +2,7 @@
 //!
 //! | stage | drive | result |
 //! |---|---|---|
+//! | wait | silence, only after a drive | the vibration has decayed |
 //! | window | a sweep over the window plus a tenth of it, in 8 to 16 ms | [spectrum] of the sweep |
 //! | search | centre of the window | [all resonances](crate::find::identify::mode_search); one line of the spectrum per block |
 //! | fine | slow sweeps over two bandwidths around the [chosen](crate::find::identify::choice) one, as often as needed | final spectrum and fit |
@@ -34,6 +35,7 @@ use crate::generate::sweep::hold::Hold;
 use crate::seam::block::{LATENCY_BLOCKS, SenseBlock};
 use crate::seam::config::{Config, TrackingMode};
 use crate::seam::fault::Fault;
+use crate::seam::phasor::magnitude;
 use crate::seam::transducer::{MOST_MODES, Transducer};
 use crate::sense::convert::Convert;
 use crate::sense::demod::Sensed;
@@ -49,6 +51,9 @@ const MOST_OF_A_PART: usize = 2;
 /// Blocks measured before the first block of a sweep: the latency and the rising half of the first
 /// triangle.
 const LEAD_BLOCKS: u32 = LATENCY_BLOCKS as u32 + 1;
+/// Current of a vibration that leaves room for the first tone, relative to the limit: at a figure
+/// of merit of 0.5 the clamped current of a drive is up to three quarters of the limit.
+const CALM_REL: f32 = 0.2;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Stage {
@@ -95,6 +100,10 @@ pub(crate) struct Scan {
     alone: bool,
     /// Clamped capacitance from tones off resonance, F, to compare with that of the scan.
     pub(crate) off_resonance_c0_f: Option<f32>,
+    /// Current below which a stack that still rings leaves room for a tone of another frequency, A.
+    calm_a: f32,
+    /// `true` until the current is below that.
+    waits: bool,
 }
 
 impl Scan {
@@ -140,13 +149,23 @@ impl Scan {
             repeated: false,
             alone: false,
             off_resonance_c0_f: None,
+            calm_a: CALM_REL * config.limits.current_a,
+            waits: false,
         }
     }
 
     /// Restarts the scan with a sweep of the window.
     pub(crate) fn restart(&mut self) {
-        (self.repeated, self.off_resonance_c0_f) = (false, None);
+        (self.repeated, self.off_resonance_c0_f, self.waits) = (false, None, false);
         self.begin_window();
+    }
+
+    /// Restarts the scan after a drive, with a silence in which the vibration decays: its current
+    /// and that of the first tone together may exceed the limit. `off_resonance_c0_f` is the
+    /// clamped capacitance from the tones off resonance, F.
+    pub(crate) fn restart_after_drive(&mut self, off_resonance_c0_f: Option<f32>) {
+        self.restart();
+        (self.off_resonance_c0_f, self.waits) = (off_resonance_c0_f, true);
     }
 
     fn begin_window(&mut self) {
@@ -186,6 +205,10 @@ impl Scan {
 
     /// Processes the measured block and returns the next step.
     pub(crate) fn listen(&mut self, convert: &Convert, sense: &SenseBlock, sensed: &Sensed) -> Step {
+        if self.waits {
+            self.waits = magnitude(sensed.i) > self.calm_a;
+            return Step::Silence;
+        }
         self.blocks += 1;
         self.still_blocks += 1;
         match self.stage {

@@ -80,6 +80,8 @@ pub(crate) struct SignalGenerator {
     pub(crate) shape: Shape,
     /// `true` if the last block had the configured shape, and not that of a plain sine.
     pub(crate) shaped: bool,
+    /// `true` if the drive fades in the next block, because another stage begins with silence.
+    pub(crate) fades: bool,
 }
 
 impl SignalGenerator {
@@ -90,10 +92,16 @@ impl SignalGenerator {
 
     /// Returns to the nominal frequency and amplitude.
     pub(crate) fn restart(&mut self) {
+        self.fade();
         self.sweep.hold.retune(0.0);
         self.sweep.restart();
         self.amplitude.restart();
         self.burst.restart();
+    }
+
+    /// Lets a drive fade in the next block instead of ending at once.
+    pub(crate) fn fade(&mut self) {
+        self.fades = self.burst.is_open();
     }
 
     /// Starts the burst schedule at a block.
@@ -124,7 +132,7 @@ impl SignalGenerator {
         drive: &mut DriveBlock,
         played: &mut Played,
     ) {
-        if matches!(mode, Mode::Idle | Mode::Fault) {
+        if self.fades || matches!(mode, Mode::Idle | Mode::Fault) {
             return self.rest(orders, plan, mode, drive, played);
         }
         let running = mode == Mode::Run;
@@ -193,7 +201,7 @@ impl SignalGenerator {
         let (quadrature, _) = self.phasing.quadrature(orders.quadrature);
         let lanes = self.phasing.lanes(hz, quadrature);
         let gain = lanes.first().map_or(1.0, |lane| lane.gain);
-        let fades = mode == Mode::Idle && self.burst.is_open();
+        let fades = (core::mem::take(&mut self.fades) || mode == Mode::Idle) && mode != Mode::Fault && self.burst.is_open();
         let volts = if fades { self.shaper.driven() / self.scale.lsb_per_volt() } else { 0.0 };
         let envelope = self.burst.fade_out(fades, &stretch, self.samples);
         let level = envelope.mean();
