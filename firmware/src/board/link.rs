@@ -205,8 +205,8 @@ mod tests {
         let capture = CaptureReport { state: CaptureState::Full, samples: u16::MAX, before: u16::MAX, block: u32::MAX };
         // The longest replies, and their lengths in bytes.
         let rows = [
-            (Reply::Telemetry(full), 194),
-            (Reply::Status(Some(full)), 195),
+            (Reply::Telemetry(full), 206),
+            (Reply::Status(Some(full)), 207),
             (Reply::Resonances(ResonanceReport { chosen: Some(3), found }), 85),
             (Reply::Settings(TrimReport { stored: StoredState::Version(255), points: 5, point: Some(Default::default()) }), 55),
             (Reply::Parameter(parameter), 38),

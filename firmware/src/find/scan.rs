@@ -407,6 +407,7 @@ impl Scan {
         }
         let transducer = Transducer {
             deviations: deviations.get(place).copied().unwrap_or_default(),
+            quality: self.search.quality(place),
             modes: self.modes.listed().len() as u8,
             chosen: self.modes.place() as u8,
             ..circuit.transducer(place)

@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::seam::compare::larger;
+
 const TAU: f32 = core::f32::consts::TAU;
 
 /// Largest number of listed resonances.
@@ -28,6 +30,8 @@ pub struct Transducer {
     pub coupling: f32,
     /// Standard deviations of these values.
     pub deviations: Deviations,
+    /// Quality of the lock on this resonance.
+    pub quality: LockQuality,
     /// Number of resonances found.
     pub modes: u8,
     /// Index of this resonance in the list of those found, from zero.
@@ -53,6 +57,7 @@ impl Transducer {
         self.c0_f = from.c0_f;
         self.coupling = from.coupling;
         self.deviations = from.deviations;
+        self.quality = from.quality;
         (self.modes, self.chosen) = (from.modes, from.chosen);
     }
 }
@@ -76,6 +81,49 @@ pub struct Deviations {
     pub c0_f: f32,
     /// Standard deviation of the coupling.
     pub coupling: f32,
+}
+
+/// Root mean square residual, relative to the noise, beyond which a model does not fit.
+pub(crate) const MAX_MISFIT: f32 = 20.0;
+
+/// Quality of a lock: what other resonances do to it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct LockQuality {
+    /// Loss of tip velocity per volt, relative to its maximum nearby, that the measurements do not
+    /// exclude; one if the model does not fit, or if the other resonances outweigh this one.
+    pub loss: f32,
+    /// Admittance of the other resonances at the lock point, relative to the motional conductance.
+    pub others: f32,
+    /// Rms residual of the fitted model, relative to the noise of the converters.
+    pub misfit: f32,
+}
+
+impl LockQuality {
+    /// Largest loss of tip velocity that is not reported.
+    pub(crate) const MAX_LOSS: f32 = 0.01;
+
+    /// Returns the quality of a lock whose motional phase is off by an angle with this tangent.
+    pub(crate) fn new(tangent: f32, others: f32, misfit: f32) -> Self {
+        let mut quality = LockQuality { loss: 0.0, others, misfit };
+        quality.turn(tangent);
+        if misfit > MAX_MISFIT || others > 1.0 {
+            quality.loss = 1.0;
+        }
+        quality
+    }
+
+    /// Raises the loss to `1 - 1 / sqrt(1 + x^2)`, that of a motional phase with the tangent `x`.
+    pub(crate) fn turn(&mut self, tangent: f32) {
+        let square = tangent * tangent;
+        let root = libm::sqrtf(1.0 + square);
+        self.loss = larger(self.loss, square / (root * (root + 1.0)));
+    }
+
+    /// Returns `true` if the drive may lose more tip velocity than is acceptable.
+    #[inline]
+    pub(crate) fn is_lossy(&self) -> bool {
+        self.loss > Self::MAX_LOSS
+    }
 }
 
 /// Resonance found by a scan.
@@ -104,3 +152,24 @@ pub struct Listed {
 
 /// Resonances found by a scan, at rising frequencies.
 pub type Resonances = heapless::Vec<Resonance, MOST_MODES>;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_loss_follows_from_the_phase_unless_the_model_does_not_fit() {
+        // Seven hundredths of a bandwidth lose one percent.
+        for (tangent, loss, is_lossy) in
+            [(0.0, 0.0, false), (0.14, 0.009_66, false), (0.143, 0.010_07, true), (1.0, 0.2929, true)]
+        {
+            let quality = LockQuality::new(tangent, 0.9, 19.0);
+            assert!((quality.loss - loss).abs() < 1e-4 * (loss + 1e-6), "{quality:?}");
+            assert_eq!(quality.is_lossy(), is_lossy, "{quality:?}");
+        }
+        assert!(LockQuality::new(0.0, 1.1, 1.0).is_lossy() && LockQuality::new(0.0, 0.0, 21.0).is_lossy());
+        let mut quality = LockQuality::new(0.14, 0.0, 1.0);
+        quality.turn(0.01);
+        assert_eq!(quality, LockQuality::new(0.14, 0.0, 1.0), "a later measurement does not lower the loss");
+    }
+}

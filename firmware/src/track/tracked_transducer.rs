@@ -32,14 +32,10 @@ const CLEAR_Q_REL: f32 = 0.3;
 const UNCERTAIN_SHIFT_BANDWIDTHS: f32 = 0.006;
 /// Smallest shift that makes a lock uncertain, Hz.
 const UNCERTAIN_SHIFT_HZ: f32 = 1.0;
-/// Shift of a lock by the branch measured there, relative to the motional conductance, above which
-/// the drive may lose more than 1 % of the tip velocity: `1 - 1 / sqrt(1 + x^2)` at `x` half
-/// bandwidths off resonance.
-const LOSSY_SHIFT: f32 = 0.142;
-/// Difference of the clamped susceptances of the scan and of the tones off resonance, relative to
-/// the motional conductance, above which the drive may lose as much: other resonances, which
-/// neither resolves, shift the lock by one to three times as much.
-const LOSSY_CONTRADICTION: f32 = 0.05;
+/// Tangent of the phase by which other resonances may turn the lock, relative to the difference of
+/// the clamped susceptances of the scan and of the tones off resonance in motional conductances:
+/// neither resolves those resonances, and the lock is off by one to three times that difference.
+const TURN_PER_CONTRADICTION: f32 = 2.85;
 /// Tolerance of comparisons, standard deviations.
 const TOLERANCE_SIGMAS: f32 = 3.0;
 
@@ -75,8 +71,6 @@ pub(crate) struct TrackedTransducer {
     /// `true` if the lock was not at the frequency that its first clamped branch gave: another
     /// resonance is near.
     is_uncertain: bool,
-    /// `true` if the drive at the lock point may lose more than 1 % of the tip velocity.
-    is_lossy: bool,
 }
 
 impl TrackedTransducer {
@@ -96,7 +90,6 @@ impl TrackedTransducer {
             online: Online::build(config),
             other_mode: None,
             is_uncertain: false,
-            is_lossy: false,
         }
     }
 
@@ -104,11 +97,12 @@ impl TrackedTransducer {
     // Not inlined: the fast memory of a board has no room for it.
     #[inline(never)]
     pub(crate) fn restart(&mut self) {
-        let certain = self.transducer.take_if(|_| !self.is_lossy);
+        let is_certain = !self.learning.transducer().quality.is_lossy();
+        let certain = self.transducer.take_if(|_| is_certain);
         let remembered = certain.map(|known| [known.series_resonance_hz, known.q, known.lm_h]);
         self.remembered = remembered.or(self.remembered);
         (self.transducer, self.other_mode) = (None, None);
-        (self.is_uncertain, self.is_lossy) = (false, false);
+        self.is_uncertain = false;
         self.learning = Learning::default();
         self.tracker.restart();
     }
@@ -174,7 +168,8 @@ impl TrackedTransducer {
         let (c0, hz, q) = (clamped.c0_f, clamped.resonance_hz.value, clamped.q.value);
         self.online.seed(clamped.motional, c0.deviation / c0.value, hz, q);
         self.other_mode = clamped.second_mode;
-        (self.is_uncertain, self.is_lossy) = (false, false);
+        self.is_uncertain = false;
+        *self.learning.quality() = clamped.quality;
     }
 
     /// Takes the transducer found by the scan, and all its modes. `off_resonance_c0_f` is the
@@ -182,7 +177,7 @@ impl TrackedTransducer {
     pub(crate) fn adopt(&mut self, found: &RingDown, modes: &Modes, off_resonance_c0_f: Option<f32>) {
         let (scanned, branch, is_crowded) = (&found.transducer, found.motional, modes.is_crowded());
         self.tracker.seed(scanned, branch, self.noise_a(&branch), is_crowded);
-        let transducer = &if is_crowded { identified::crowded(scanned, OTHER_MODES_RAD) } else { *scanned };
+        let transducer = &mut if is_crowded { identified::crowded(scanned, OTHER_MODES_RAD) } else { *scanned };
         self.lm_deviation = transducer.deviations.lm_h / transducer.lm_h;
         let deviation = transducer.deviations.c0_f / transducer.c0_f;
         self.online.seed(branch, deviation, transducer.series_resonance_hz, transducer.q);
@@ -190,13 +185,14 @@ impl TrackedTransducer {
         if is_crowded {
             self.online.omit_rounds();
         }
-        (self.transducer, self.other_mode) = (Some(*transducer), modes.other_mode());
+        self.other_mode = modes.other_mode();
         let off_f = off_resonance_c0_f.map_or(0.0, |c0_f| transducer.c0_f - c0_f);
         self.is_uncertain = false;
-        let contradicts = TAU * transducer.series_resonance_hz * off_f.abs() * transducer.rm_ohm > LOSSY_CONTRADICTION;
+        let contradiction = TAU * transducer.series_resonance_hz * off_f.abs() * transducer.rm_ohm;
         // Two standard deviations, in half bandwidths.
-        let shift_hz = 4.0 * transducer.q * transducer.deviations.series_resonance_hz;
-        self.is_lossy = contradicts || shift_hz > LOSSY_SHIFT * transducer.series_resonance_hz;
+        let shift = 4.0 * transducer.q * transducer.deviations.series_resonance_hz / transducer.series_resonance_hz;
+        transducer.quality.turn(larger(TURN_PER_CONTRADICTION * contradiction, shift));
+        self.transducer = Some(*transducer);
         self.learning.adopt(transducer);
     }
 
@@ -211,7 +207,7 @@ impl TrackedTransducer {
             // bandwidth.
             self.is_uncertain = 0.5 * was_off
                 > larger(UNCERTAIN_SHIFT_BANDWIDTHS, UNCERTAIN_SHIFT_HZ * transducer.q / transducer.series_resonance_hz);
-            self.is_lossy |= was_off > LOSSY_SHIFT;
+            self.learning.quality().turn(was_off);
         }
     }
 
@@ -233,7 +229,7 @@ impl TrackedTransducer {
         match state {
             State::Unmeasured => Some(Limit::NotTracking),
             _ if self.online.probes() => Some(Limit::Probing),
-            _ if self.is_lossy => Some(Limit::LockUncertain),
+            _ if self.learning.transducer().quality.is_lossy() => Some(Limit::LockUncertain),
             _ => None,
         }
     }

@@ -3,6 +3,7 @@
 use crate::find::clamped::fit::Solution;
 use crate::find::clamped::model::{self, C, D, D2, Elements, G, H, K, K2, THETA, UNKNOWNS, X2, XS, turn};
 use crate::seam::phasor::Phasor;
+use crate::seam::transducer::LockQuality;
 use crate::sense::motional::Motional;
 
 const TAU: f32 = core::f32::consts::TAU;
@@ -33,8 +34,8 @@ pub struct Clamped {
     pub q: Measured,
     /// Standard deviation of the lock point that follows from [`Clamped::motional`], Hz.
     pub lock_deviation_hz: f32,
-    /// Rms residual of the model, in standard deviations; about one.
-    pub(crate) misfit: f32,
+    /// Quality of a lock with this branch.
+    pub quality: LockQuality,
     /// Frequency of a second resonance, Hz, and its strength relative to the first.
     pub second_mode: Option<(f32, f32)>,
 }
@@ -116,6 +117,8 @@ pub(crate) fn read(solution: &Solution, deviations: &Deviations, nominal_hz: f32
     let y0 = branch(e).0 * (TAU * nominal_hz * nominal_c0_f);
     let lm_h = 1.0 / (TAU * TAU * nominal_hz * nominal_hz * e[K] * nominal_c0_f);
     let hz = nominal_hz * us;
+    let apart = || libm::hypotf(2.0 * (e[X2] - e[XS]), e[D2]);
+    let others = if e[K2] != 0.0 { e[K2] / e[K] * e[D] / apart() } else { 0.0 };
     Clamped {
         motional: Motional { y0: Phasor::new(y0.re, y0.im / us), axis },
         c0_f: Measured { value: e[C] * nominal_c0_f, deviation: of(C, nominal_c0_f) },
@@ -124,7 +127,8 @@ pub(crate) fn read(solution: &Solution, deviations: &Deviations, nominal_hz: f32
         resonance_hz: Measured { value: hz, deviation: of(XS, nominal_hz) },
         q: Measured { value: 1.0 / e[D], deviation: of(D, 1.0 / (e[D] * e[D])) },
         lock_deviation_hz: 0.5 * hz * e[D] * deviations.turn,
-        misfit: solution.misfit,
+        // Two standard deviations.
+        quality: LockQuality::new(2.0 * deviations.turn, others, solution.misfit),
         second_mode: (e[K2] != 0.0).then(|| (nominal_hz * (1.0 + e[X2]), e[K2] / e[K])),
     }
 }

@@ -70,6 +70,14 @@ impl Circuit {
         others.map(|(_, pole)| pole.conductance * self.phi(pole, at.offset_hz)).sum()
     }
 
+    /// Computes the admittance of all other resonances at the frequency of one, relative to the
+    /// conductance of that one.
+    pub(super) fn others_share(&self, which: usize) -> f32 {
+        let Some(at) = self.poles.get(which) else { return 0.0 };
+        let known = self.fixed(at.offset_hz) - self.slope(at.offset_hz);
+        magnitude(self.others_admittance(which) + known) / magnitude(at.conductance)
+    }
+
     /// Computes the equivalent circuit of one resonance, without standard deviations.
     pub(crate) fn transducer(&self, which: usize) -> Transducer {
         let Some(&Pole { offset_hz, q, conductance, .. }) = self.poles.get(which) else { return Transducer::default() };

@@ -11,7 +11,7 @@ use heapless::Vec;
 
 use crate::find::identify::pole_fit::{Circuit, Pole, PoleFit, Solution};
 use crate::find::scan::spectrum::Spectrum;
-use crate::seam::transducer::{Deviations, MOST_MODES, Transducer};
+use crate::seam::transducer::{Deviations, LockQuality, MOST_MODES, Transducer};
 
 /// Maximum iterations of a fit.
 const ITERATIONS: u8 = 12;
@@ -90,8 +90,10 @@ pub(crate) struct ModeSearch {
     nominal_q: f32,
     /// Noise of the current of a sample that needs no explanation, A.
     noise_a: f32,
-    /// Variance of the current of a line that needs no explanation, A^2.
+    /// Variance of the current of a line that needs no explanation, A^2: of the converters, and in
+    /// all, with a part of the largest line.
     unexplained: f32,
+    tolerated: f32,
     most: usize,
     stage: Stage,
     line: usize,
@@ -125,6 +127,7 @@ impl ModeSearch {
             nominal_q: nominal.q,
             noise_a: NOISE_STEPS * nominal.steps.1,
             unexplained: 0.0,
+            tolerated: 0.0,
             most: 0,
             stage: Stage::Done,
             line: 0,
@@ -152,6 +155,7 @@ impl ModeSearch {
     pub(crate) fn refit(&mut self, found: &Circuit, blocks: u32, samples: u32) {
         // Noise of variance s^2 gives a sum of B phasors of N samples each a variance 4 B s^2 / N.
         self.unexplained = 4.0 * self.noise_a * self.noise_a * (blocks as f32) * (blocks as f32) / samples.max(1) as f32;
+        self.tolerated = self.unexplained;
         self.most = MOST_MODES - found.known.len();
         self.begin(found, ITERATIONS);
         self.found.clone_from(found);
@@ -195,6 +199,11 @@ impl ModeSearch {
         (&self.found, &self.found_deviations)
     }
 
+    /// Returns the quality of a lock on one of the resonances found, as far as the fit shows it.
+    pub(crate) fn quality(&self, which: usize) -> LockQuality {
+        LockQuality::new(0.0, self.found.others_share(which), libm::sqrtf(self.found_variance / self.tolerated))
+    }
+
     fn seek(&mut self, spectrum: &Spectrum, best: (f32, usize), sum: f32, largest: f32) {
         let (offset_hz, line) = (spectrum.offset_hz(self.line), spectrum.at(self.line));
         let left = (line.i - self.found.current(offset_hz, line.v)).norm_sqr();
@@ -206,8 +215,8 @@ impl ModeSearch {
             return;
         }
         let others = (sum - best.0) / (spectrum.lines() - 1) as f32;
-        let unexplained = self.unexplained + UNEXPLAINED_REL * UNEXPLAINED_REL * largest;
-        let shows = self.found_variance > unexplained || best.0 > unexplained.max(OUTLIER_SQUARE_RATIO * others);
+        self.tolerated = self.unexplained + UNEXPLAINED_REL * UNEXPLAINED_REL * largest;
+        let shows = self.found_variance > self.tolerated || best.0 > self.tolerated.max(OUTLIER_SQUARE_RATIO * others);
         if self.found.poles.len() < self.most && shows {
             self.stage = Stage::Assume { line: best.1 };
         } else {

@@ -2,7 +2,7 @@
 //! from the strength. The clamped capacitance comes from the calibration. The strength is learned
 //! while the current builds up, so that Q and Rm are as accurate as the strength.
 
-use crate::seam::transducer::Transducer;
+use crate::seam::transducer::{LockQuality, Transducer};
 use crate::track::tracker::observer::{Observer, Spread};
 
 const TAU: f32 = core::f32::consts::TAU;
@@ -108,7 +108,10 @@ impl Learning {
         (reported.series_resonance_hz, reported.q, reported.rm_ohm) = (hz, 0.5 * omega / alpha, 2.0 * alpha * lm_h);
         (reported.lm_h, reported.cm_f, reported.c0_f) = (lm_h, cm_f, c0_f);
         (reported.modes, reported.chosen) = known.modes;
-        (self.part, self.clamped) = (cm_f / (c0_f + cm_f), C0_UNCERTAINTY_REL + known.c0_f.1 / c0_f);
+        // The measured branch contains the admittance of the other resonances. `1 / (w Rm)` is
+        // `Q Cm`.
+        let others_f = reported.quality.others * reported.q * cm_f;
+        (self.part, self.clamped) = (cm_f / (c0_f + cm_f), C0_UNCERTAINTY_REL + (known.c0_f.1 + others_f) / c0_f);
         (self.phase_rad, self.strength) =
             (known.phase_rad, if known.closely { STRENGTH_UNCERTAINTY_REL } else { OFF_RESONANCE_UNCERTAINTY_REL });
         (self.spread, self.settled, self.parts_left) = (observer.spread(), observer.has_settled(), 4);
@@ -139,6 +142,11 @@ impl Learning {
     /// Returns the transducer as computed so far; complete if [`is_over`](Self::is_over).
     pub(crate) fn transducer(&self) -> &Transducer {
         &self.transducer
+    }
+
+    /// Returns the quality of the lock; identifications do not change it.
+    pub(crate) fn quality(&mut self) -> &mut LockQuality {
+        &mut self.transducer.quality
     }
 
     /// Computes the next part.

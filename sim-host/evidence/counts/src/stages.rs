@@ -234,6 +234,7 @@ const STACK: transducer::Transducer = transducer::Transducer {
         c0_f: 0.0,
         coupling: 0.0,
     },
+    quality: transducer::LockQuality { loss: 0.0, others: 0.0, misfit: 0.0 },
     modes: 1,
     chosen: 0,
 };

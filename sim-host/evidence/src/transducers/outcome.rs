@@ -18,7 +18,7 @@
 
 use firmware::seam::fault::{Fault, Limit};
 use firmware::seam::mode::Mode;
-use firmware::seam::transducer::Transducer as Identified;
+use firmware::seam::transducer::{LockQuality, Transducer as Identified};
 use plant::circuit_of;
 use scene::{DisturbedKey, Driven};
 use sim::record::{Record, Row};
@@ -97,6 +97,8 @@ pub struct JudgedRun {
     pub lock_ms: Option<f64>,
     /// Time from power-on, or from the last command to run, to the same bound, ms.
     pub power_on_ms: Option<f64>,
+    /// Quality of the lock as the controller states it, if the run ends locked.
+    pub quality: Option<LockQuality>,
     /// [Parameters](PARAMETERS) stated by the controller, if the run ends locked.
     pub stated: Option<[Stated; PARAMETERS.len()]>,
 }
@@ -111,6 +113,7 @@ pub fn judge(scene: &Driven, record: &Record) -> JudgedRun {
         beyond_half_bandwidth: None,
         lock_ms: None,
         power_on_ms: None,
+        quality: None,
         stated: None,
     };
     let rows = &record.rows;
@@ -144,6 +147,7 @@ pub fn judge(scene: &Driven, record: &Record) -> JudgedRun {
     let step_s = scene.disturbance.iter().map(|change| change.at_s).fold(f64::INFINITY, f64::min);
     let to = rows.partition_point(|row| row.time_s < step_s).max(from);
     (judged.lock_ms, judged.power_on_ms) = lock_times_ms(&rows[from..to], truth.bound_hz().max(TIMED_HZ)).unzip();
+    judged.quality = record.last.transducer.map(|found| found.quality);
     judged.stated = record.last.transducer.map(|found| truth.against(&found));
     judged
 }

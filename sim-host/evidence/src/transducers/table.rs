@@ -168,6 +168,8 @@ pub(super) fn csv(set: &[TransducerRuns]) -> Result<String, Error> {
         let drawn = [hz, q, coupling, c0_f, transducer.rm_ohm(), transducer.figure_of_merit(), nominal.hz, nominal.q];
         let known = [nominal.lm_h, Some(transducer.lm_h()), nominal.c0_f].map(given);
         let times = [judged.bias_hz, judged.lock_ms, judged.power_on_ms].map(given);
+        let quality = judged.quality.map(|quality| [quality.loss, quality.others, quality.misfit].map(f64::from));
+        let quality: [String; 3] = core::array::from_fn(|place| given(quality.map(|quality| quality[place])));
         let stated = (0..PARAMETERS.len()).flat_map(|place| {
             let stated = judged.stated.map(|stated| stated[place]);
             [stated.map(|stated| stated.error), stated.map(|stated| stated.deviation)].map(given)
@@ -176,14 +178,16 @@ pub(super) fn csv(set: &[TransducerRuns]) -> Result<String, Error> {
         let named = cells![number, kind.name, band_only];
         let drawn = drawn.map(|value| given(Some(value)));
         let other = phase_lock.as_ref().map_or_else(Default::default, |run| outcome(&run.judged));
-        let own = [drawn.to_vec(), known.to_vec(), outcome(judged).to_vec(), times.to_vec(), stated, other.to_vec()].concat();
+        let own =
+            [drawn.to_vec(), known.to_vec(), outcome(judged).to_vec(), times.to_vec(), quality.to_vec(), stated, other.to_vec()]
+                .concat();
         [named, own, cells![observer.command]].concat()
     });
     campaign::csv(
         "number,kind,band_only,series_resonance_hz,q,coupling,c0_f,rm_ohm,figure_of_merit,nominal_hz,nominal_q,nominal_lm_h,\
-         true_lm_h,nominal_c0_f,outcome,fault,bias_hz,lock_ms,power_on_ms,resonance_error_hz,resonance_deviation_hz,q_error,\
-         q_deviation,rm_error_ohm,rm_deviation_ohm,lm_error_h,lm_deviation_h,c0_error_f,c0_deviation_f,phase_lock_outcome,\
-         phase_lock_fault,command",
+         true_lm_h,nominal_c0_f,outcome,fault,bias_hz,lock_ms,power_on_ms,lock_loss,lock_others,lock_misfit,\
+         resonance_error_hz,resonance_deviation_hz,q_error,q_deviation,rm_error_ohm,rm_deviation_ohm,\
+         lm_error_h,lm_deviation_h,c0_error_f,c0_deviation_f,phase_lock_outcome,phase_lock_fault,command",
         rows,
     )
 }

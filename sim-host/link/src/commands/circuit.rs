@@ -1,7 +1,7 @@
 //! Output of the transducer that the board has identified, as text and fields.
 
 use firmware::seam::telemetry::Telemetry;
-use firmware::seam::transducer::Transducer;
+use firmware::seam::transducer::{LockQuality, Transducer};
 
 use crate::answer::{Answer, quantity, short};
 
@@ -21,6 +21,13 @@ pub fn in_words(report: &Telemetry, answer: Answer) -> Answer {
         quantity(found.c0_f.into(), "F"),
         found.coupling,
     ));
+    let LockQuality { loss, others, misfit } = found.quality;
+    let answer = answer.line(format!(
+        "quality of the lock: at most {:.2} % of the tip velocity lost; other resonances {:.2} % of the motional conductance; \
+         residual {misfit:.1} times the noise",
+        100.0 * loss,
+        100.0 * others
+    ));
     fields(found, answer).field("series_resonance_deviation_hz", short(scatter.series_resonance_hz))
 }
 
@@ -35,4 +42,7 @@ pub fn fields(found: &Transducer, answer: Answer) -> Answer {
         .field("cm_f", short(found.cm_f))
         .field("c0_f", short(found.c0_f))
         .field("coupling", short(found.coupling))
+        .field("lock_loss", short(found.quality.loss))
+        .field("lock_others", short(found.quality.others))
+        .field("lock_misfit", short(found.quality.misfit))
 }

@@ -10,6 +10,7 @@ use std::time::Duration;
 
 use clap::Args;
 use firmware::board::command::{Command, Reply, ResonanceReport};
+use firmware::seam::fault::Limit;
 use firmware::seam::mode::Mode;
 use firmware::seam::telemetry::Telemetry;
 use firmware::seam::transducer::Transducer;
@@ -46,10 +47,7 @@ pub fn run(args: &ScanArgs, session: &mut Session) -> Result<Answer, LinkError> 
     // An invalid folder is reported before the scan.
     let folder = session.folder("scan", args.output.as_deref())?;
     let report = scan(session)?;
-    let found = match session.client.ask(Command::Resonances)? {
-        Reply::Resonances(found) => found,
-        reply => return Err(unexpected("scan", &reply)),
-    };
+    let found = ask(session)?;
     let mut drawn = Loop::from_scan(report.transducer.as_ref(), &found);
     if args.points > 0 {
         drawn.measured = admittance::measure(args.points, args.reach, &drawn, session)?;
@@ -92,6 +90,23 @@ fn scan(session: &mut Session) -> Result<Telemetry, LinkError> {
 /// that takes the order.
 pub(super) fn is_over(report: &Telemetry, before: &Telemetry) -> bool {
     report.mode == Mode::Fault || report.mode == Mode::Idle && report.orders_sequence != before.orders_sequence
+}
+
+/// Returns the resonances of the last scan.
+pub(super) fn ask(session: &mut Session) -> Result<ResonanceReport, LinkError> {
+    match session.client.ask(Command::Resonances)? {
+        Reply::Resonances(found) => Ok(found),
+        reply => Err(unexpected("scan", &reply)),
+    }
+}
+
+/// Adds the resonances that may be meant instead, if the lock is uncertain.
+pub(super) fn alternatives(report: &Telemetry, session: &mut Session, answer: Answer) -> Result<Answer, LinkError> {
+    if report.limit != Some(Limit::LockUncertain) {
+        return Ok(answer);
+    }
+    let answer = answer.line("the lock is uncertain; resonances found by the scan (* is driven):");
+    Ok(list(&ask(session)?, report.transducer.as_ref(), answer))
 }
 
 /// Lists all resonances in a table.

@@ -7,6 +7,7 @@ use firmware::seam::telemetry::Telemetry;
 use serde_json::Value;
 
 use super::hardware;
+use super::scan;
 use super::update::ask_keys;
 use crate::answer::{Answer, quantity, short};
 use crate::link_error::LinkError;
@@ -17,7 +18,7 @@ use crate::words;
 pub fn run(session: &mut Session) -> Result<Answer, LinkError> {
     let report = session.status()?;
     let hardware = hardware::ask(session)?;
-    let mut answer = in_words(&report, Answer::to("status"));
+    let mut answer = scan::alternatives(&report, session, in_words(&report, Answer::to("status")))?;
     if hardware.is_some_and(|hardware| hardware.muted) {
         answer = answer.line("           muted: the enable stays low, also during a drive (`reset` ends this)");
     }

@@ -11,7 +11,7 @@ use firmware::seam::telemetry::Telemetry;
 use firmware::seam::transducer::Transducer;
 
 use crate::client::unexpected;
-use crate::commands::scan::is_over;
+use crate::commands::scan::{self, is_over};
 use crate::link_error::LinkError;
 use crate::session::Session;
 
@@ -45,10 +45,7 @@ pub fn scan(session: &mut Session) -> Result<Scanned, LinkError> {
     session.client.order(Command::Scan)?;
     let ended = session.watch(TIMEOUT, 4, |report| is_over(report, &before).then_some(*report))?;
     let report = ended.ok_or_else(|| LinkError::Failed(format!("the scan has not ended within {} s", TIMEOUT.as_secs())))?;
-    let found = match session.client.ask(Command::Resonances)? {
-        Reply::Resonances(found) => found,
-        reply => return Err(unexpected("scan", &reply)),
-    };
+    let found = scan::ask(session)?;
     let fault = if report.mode == Mode::Fault { report.fault } else { None };
     quiet(session)?;
     Ok(Scanned { fault, found, transducer: report.transducer.filter(|_| fault.is_none()) })

@@ -26,5 +26,12 @@ pub(super) fn add(run: &View, metrics: &mut Metrics) {
         metrics.put(name, f64::from(value));
         metrics.put(sd_name, f64::from(sd));
     }
+    for (name, value) in [
+        ("lock_loss", transducer.quality.loss),
+        ("lock_others", transducer.quality.others),
+        ("lock_misfit", transducer.quality.misfit),
+    ] {
+        metrics.put(name, f64::from(value));
+    }
     metrics.put("modes_found", f64::from(transducer.modes));
 }
