@@ -23,7 +23,7 @@ pub struct Bench {
 }
 
 /// All benches, in the order in which they run.
-pub const BENCHES: [Bench; 21] = [
+pub const BENCHES: [Bench; 22] = [
     bench(
         "tracking",
         |options| built_in(("tracking", TRACKING), options, |_, _| Ok(())),
@@ -37,6 +37,11 @@ pub const BENCHES: [Bench; 21] = [
                 plant and a baseline",
     )
     .with_suite(transducers::SUITE),
+    bench(
+        "estimates",
+        transducers::estimates::evidence,
+        "resonance as identified in seven scenes: stated deviation, error, and the bound of the same blocks",
+    ),
     bench(
         "drift",
         transducers::drift::evidence,

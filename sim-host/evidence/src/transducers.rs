@@ -16,6 +16,7 @@
 mod baseline;
 pub(crate) mod draw;
 pub(crate) mod drift;
+pub(crate) mod estimates;
 pub(crate) mod front_end;
 pub(crate) mod outcome;
 mod restart;
