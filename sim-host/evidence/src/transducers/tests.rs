@@ -5,7 +5,8 @@ use std::path::Path;
 
 use super::baseline::FILE;
 use super::draw::{KINDS, MIN_FIGURE_OF_MERIT, MIN_RM_OHM, Transducer};
-use super::run;
+use super::outcome::Outcome;
+use super::{TransducerRuns, run, run_transducer};
 use crate::campaign::quick;
 use crate::evidence::Evidence;
 use report::docs::is_update;
@@ -30,6 +31,16 @@ fn no_count_is_worse_than_its_baseline() {
     }
     let missed = quick(run, None).missed;
     assert!(missed.is_empty(), "\n{}", missed.join("\n"));
+}
+
+/// These healthy transducers ended in fault 21 or 28: a scan began while the stack still vibrated
+/// after a lock.
+#[test]
+fn a_scan_after_a_lock_exceeds_no_limit() {
+    for number in [23_230, 24_389, 24_813, 21_731, 28_672] {
+        let TransducerRuns { observer, .. } = run_transducer(Transducer::draw_wider(number), false, None).unwrap();
+        assert!(matches!(observer.judged.outcome, Outcome::Locked | Outcome::Good), "{number}: {:?}", observer.judged);
+    }
 }
 
 /// The set covers its ranges, and the resonance of each transducer is observable.
