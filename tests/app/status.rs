@@ -95,7 +95,13 @@ fn a_reset_is_answered_first_and_only_accepted_in_silence() {
     assert_eq!(bench.ask(Command::Idle), Some(Reply::Ack));
     // The order to be silent has not taken effect yet.
     assert_eq!((bench.ask(Command::Reset), bench.watchdog.resets()), (Some(Reply::Nak(Refusal::Driving)), 0));
-    bench.blocks(4);
+    // Queued blocks play, and fade, while the mode is already idle.
+    for _ in 0..2 {
+        bench.block();
+        assert_eq!((bench.mode(), bench.ask(Command::Reset)), (Mode::Idle, Some(Reply::Nak(Refusal::Driving))));
+        assert_eq!(bench.ask(Command::Mute(false)), Some(Reply::Nak(Refusal::Driving)));
+    }
+    bench.blocks(2);
     assert_eq!((bench.ask(Command::Reset), bench.watchdog.resets()), (Some(Reply::Ack), 1));
     // A board in a fault is silent too.
     bench.ask(Command::Run);

@@ -100,7 +100,7 @@ pub struct App<'a, L, E, S, W, F: NorFlash> {
     /// `true` from a press of the emergency stop until it is in the queue of orders.
     stop_unordered: bool,
     seen: Option<Telemetry>,
-    /// Number of blocks until the drive has played: zero in silence and in a fault.
+    /// Number of blocks until the last driven block has played; zero in silence and after a fault.
     queued: usize,
     telemetry_every: u32,
     last_telemetry: u32,
@@ -283,7 +283,7 @@ where
 
     /// Returns `true` if the drive is silent and no other request is pending.
     fn is_silent(&self) -> bool {
-        self.seen.is_some_and(|seen| seen.orders_sequence == self.latest.sequence) && !self.is_driving()
+        self.seen.is_some_and(|seen| seen.orders_sequence == self.latest.sequence) && self.queued == 0
     }
 
     fn watch_stop(&mut self) -> Result<(), AppError> {
