@@ -54,6 +54,8 @@ const LEAD_BLOCKS: u32 = LATENCY_BLOCKS as u32 + 1;
 /// Current of a vibration that leaves room for the first tone, relative to the limit: at a figure
 /// of merit of 0.5 the clamped current of a drive is up to three quarters of the limit.
 const CALM_REL: f32 = 0.2;
+/// Longest wait for that, s; a current that remains is none of a vibration.
+const MAX_WAIT_S: f32 = 0.5;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Stage {
@@ -102,7 +104,7 @@ pub(crate) struct Scan {
     pub(crate) off_resonance_c0_f: Option<f32>,
     /// Current below which a stack that still rings leaves room for a tone of another frequency, A.
     calm_a: f32,
-    /// `true` until the current is below that.
+    /// `true` while the vibration of a drive decays before the first sweep.
     waits: bool,
 }
 
@@ -206,7 +208,11 @@ impl Scan {
     /// Processes the measured block and returns the next step.
     pub(crate) fn listen(&mut self, convert: &Convert, sense: &SenseBlock, sensed: &Sensed) -> Step {
         if self.waits {
-            self.waits = magnitude(sensed.i) > self.calm_a;
+            self.blocks += 1;
+            // The first blocks measured are those of the drive, and of its fade.
+            let rings = magnitude(sensed.i) > self.calm_a && (self.blocks as f32) * self.block_s < MAX_WAIT_S;
+            self.waits = self.blocks <= LEAD_BLOCKS || rings;
+            self.blocks *= u32::from(self.waits);
             return Step::Silence;
         }
         self.blocks += 1;

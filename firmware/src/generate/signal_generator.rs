@@ -96,7 +96,9 @@ impl SignalGenerator {
         self.sweep.hold.retune(0.0);
         self.sweep.restart();
         self.amplitude.restart();
-        self.burst.restart();
+        if !self.fades {
+            self.burst.restart();
+        }
     }
 
     /// Lets a drive fade in the next block instead of ending at once.
@@ -201,7 +203,8 @@ impl SignalGenerator {
         let (quadrature, _) = self.phasing.quadrature(orders.quadrature);
         let lanes = self.phasing.lanes(hz, quadrature);
         let gain = lanes.first().map_or(1.0, |lane| lane.gain);
-        let fades = (core::mem::take(&mut self.fades) || mode == Mode::Idle) && mode != Mode::Fault && self.burst.is_open();
+        let begins = core::mem::take(&mut self.fades);
+        let fades = (begins || mode == Mode::Idle) && mode != Mode::Fault && self.burst.is_open();
         let volts = if fades { self.shaper.driven() / self.scale.lsb_per_volt() } else { 0.0 };
         let envelope = self.burst.fade_out(fades, &stretch, self.samples);
         let level = envelope.mean();
@@ -226,5 +229,8 @@ impl SignalGenerator {
             lane: plan.listen,
             ..Played::default()
         };
+        if begins {
+            self.burst.restart();
+        }
     }
 }

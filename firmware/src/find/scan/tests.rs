@@ -8,6 +8,7 @@ use crate::seam::block::Amplitude;
 use crate::seam::block::{DriveBlock, LATENCY_BLOCKS};
 use crate::seam::config;
 use crate::seam::config::{Drive, FrontEnd, HeatSink, Limits, Phasing, Supply, Thermometer, Tracking, TrackingMode};
+use crate::seam::phasor::Phasor;
 use crate::seam::transducer::Resonances;
 use crate::sense::demod::demodulate;
 use crate::sense::motional::Motional;
@@ -54,8 +55,8 @@ struct Scanned {
     first: Option<Transducer>,
 }
 
-fn scan(case: &Case, seed: u64) -> Scanned {
-    let config = Config {
+fn config(case: &Case) -> Config {
+    Config {
         sample_hz: 1e6,
         block_samples: SAMPLES as u16,
         lanes: 1,
@@ -79,7 +80,11 @@ fn scan(case: &Case, seed: u64) -> Scanned {
         friction: None,
         restraint: None,
         link: config::Link::default(),
-    };
+    }
+}
+
+fn scan(case: &Case, seed: u64) -> Scanned {
+    let config = config(case);
     let convert = Convert::build(&case.front_end).unwrap();
     let mut bench = Bench::new(&case.branches, case.c0_f, seed, case.front_end.clone());
     bench.noise_lsb = case.noise_lsb;
@@ -319,4 +324,24 @@ fn the_nominal_q_may_be_wrong_by_four() {
         let found = scan(&case, 5).found.expect("a resonance").0;
         assert!((found.series_resonance_hz - 40_300.0).abs() < 2.0 && (f64::from(found.q) / q - 1.0).abs() < 5e-3, "{found:?}");
     }
+}
+
+/// After a drive a scan waits until the vibration has decayed, but not for a current that remains.
+#[test]
+fn a_scan_after_a_drive_waits_for_the_vibration() {
+    let (case, sense) = (stack(40e3, 65.0), SenseBlock::default());
+    let config = config(&case);
+    let convert = Convert::build(&case.front_end).unwrap();
+    let mut scan = Scan::build(&config, &Hold::build(config.drive.frequency_hz, config.sample_hz).unwrap());
+    let mut silent = |restart: &dyn Fn(&mut Scan), amperes: &dyn Fn(u32) -> f32| {
+        restart(&mut scan);
+        let sensed = |block| Sensed { v: Phasor::default(), i: Phasor::new(amperes(block), 0.0) };
+        (0..).take_while(|&block| scan.listen(&convert, &sense, &sensed(block)) == Step::Silence).count()
+    };
+    let after_drive = |scan: &mut Scan| scan.restart_after_drive(None);
+    assert_eq!(silent(&Scan::restart, &|_| 1.0), 0);
+    assert_eq!(silent(&after_drive, &|_| 0.0), LEAD_BLOCKS as usize + 1);
+    // 0.8 A of the limit of 4 A.
+    assert_eq!(silent(&after_drive, &|block| if block < 20 { 0.81 } else { 0.79 }), 21);
+    assert_eq!(silent(&after_drive, &|_| 0.81), 15_625);
 }
