@@ -37,7 +37,6 @@ use crate::seam::config::Config;
 use crate::seam::fault::Fault;
 use crate::seam::mode::Mode;
 use crate::seam::phasor::Phasor;
-use crate::seam::transducer::MAX_MISFIT;
 use crate::sense::demod::Sensed;
 
 const TAU: f32 = core::f32::consts::TAU;
@@ -77,7 +76,7 @@ const CRACKED_Q_REL: f32 = 0.27;
 const FALLEN_Q_REL: f32 = 0.3;
 /// Maximum rms residual of two resonances, in standard deviations. Healthy transducers reach 4;
 /// beyond this limit a transducer cannot be tracked.
-const MAX_MISFIT_SIGMAS: f32 = MAX_MISFIT;
+const MAX_MISFIT_SIGMAS: f32 = 20.0;
 /// Maximum relative deviation of Q with which damage is reported without a scan. That of a crack is
 /// below 1.2 %; resonances that the tones cannot separate make a Q that is low, but less certain.
 const CERTAIN_Q_REL: f32 = 0.05;

@@ -225,8 +225,9 @@ numbered! {
     /// The drive may lose more than 1 % of the tip velocity, because a resonance nearby cannot be
     /// resolved. Either the measurement at the lock point has moved it by more than 7 % of the
     /// bandwidth, or the clamped capacitances from a scan and from tones off resonance contradict
-    /// each other, or two standard deviations of the resonance are as much. Or the model does not
-    /// fit the scan, or the other resonances have more admittance at the lock point than this one.
+    /// each other. Further causes: two standard deviations of the resonance exceed 7 % of the
+    /// bandwidth; the model does not fit the scan; other resonances have more admittance at the
+    /// lock point.
     LockUncertain = 107, "another resonance is so near that the lock is uncertain",
         "check the scan: move the other mode away, or track that one";
     /// The amplitude is reduced: the set point would take more than 0.95 of `limits.current_a`.

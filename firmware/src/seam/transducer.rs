@@ -83,10 +83,11 @@ pub struct Deviations {
     pub coupling: f32,
 }
 
-/// Root mean square residual, relative to the noise, beyond which a model does not fit.
-pub(crate) const MAX_MISFIT: f32 = 20.0;
+/// Rms residual, relative to the expected one, beyond which a model does not fit. The contact
+/// of a rotor takes it to 23.
+const MAX_MISFIT: f32 = 30.0;
 
-/// Quality of a lock: what other resonances do to it.
+/// Quality of a lock, as limited by other resonances.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct LockQuality {
     /// Loss of tip velocity per volt, relative to its maximum nearby, that the measurements do not
@@ -94,7 +95,8 @@ pub struct LockQuality {
     pub loss: f32,
     /// Admittance of the other resonances at the lock point, relative to the motional conductance.
     pub others: f32,
-    /// Rms residual of the fitted model, relative to the noise of the converters.
+    /// Rms residual of the fitted model, relative to the expected one: the noise of the converters,
+    /// and 3e-4 of the largest line of a scan.
     pub misfit: f32,
 }
 
@@ -161,13 +163,13 @@ mod tests {
     fn a_loss_follows_from_the_phase_unless_the_model_does_not_fit() {
         // Seven hundredths of a bandwidth lose one percent.
         for (tangent, loss, is_lossy) in
-            [(0.0, 0.0, false), (0.14, 0.009_66, false), (0.143, 0.010_07, true), (1.0, 0.2929, true)]
+            [(0.0, 0.0, false), (0.14, 0.009_66, false), (0.143, 0.010_07, true), (1.0, 0.292_89, true)]
         {
             let quality = LockQuality::new(tangent, 0.9, 19.0);
-            assert!((quality.loss - loss).abs() < 1e-4 * (loss + 1e-6), "{quality:?}");
+            assert!((quality.loss - loss).abs() < 1e-5, "{quality:?}");
             assert_eq!(quality.is_lossy(), is_lossy, "{quality:?}");
         }
-        assert!(LockQuality::new(0.0, 1.1, 1.0).is_lossy() && LockQuality::new(0.0, 0.0, 21.0).is_lossy());
+        assert!(LockQuality::new(0.0, 1.1, 1.0).is_lossy() && LockQuality::new(0.0, 0.0, 31.0).is_lossy());
         let mut quality = LockQuality::new(0.14, 0.0, 1.0);
         quality.turn(0.01);
         assert_eq!(quality, LockQuality::new(0.14, 0.0, 1.0), "a later measurement does not lower the loss");

@@ -177,9 +177,10 @@ impl TrackedTransducer {
     pub(crate) fn adopt(&mut self, found: &RingDown, modes: &Modes, off_resonance_c0_f: Option<f32>) {
         let (scanned, branch, is_crowded) = (&found.transducer, found.motional, modes.is_crowded());
         self.tracker.seed(scanned, branch, self.noise_a(&branch), is_crowded);
-        let transducer = &mut if is_crowded { identified::crowded(scanned, OTHER_MODES_RAD) } else { *scanned };
-        self.lm_deviation = transducer.deviations.lm_h / transducer.lm_h;
+        let mut transducer = *scanned;
         let deviation = transducer.deviations.c0_f / transducer.c0_f;
+        identified::widen(&mut transducer, if is_crowded { OTHER_MODES_RAD } else { 0.0 });
+        self.lm_deviation = transducer.deviations.lm_h / transducer.lm_h;
         self.online.seed(branch, deviation, transducer.series_resonance_hz, transducer.q);
         self.online.set_slope(found.slope);
         if is_crowded {
@@ -192,8 +193,8 @@ impl TrackedTransducer {
         // Two standard deviations, in half bandwidths.
         let shift = 4.0 * transducer.q * transducer.deviations.series_resonance_hz / transducer.series_resonance_hz;
         transducer.quality.turn(larger(TURN_PER_CONTRADICTION * contradiction, shift));
-        self.transducer = Some(*transducer);
-        self.learning.adopt(transducer);
+        self.transducer = Some(transducer);
+        self.learning.adopt(&transducer);
     }
 
     /// Takes the clamped branch and the quality factor measured at the lock point.

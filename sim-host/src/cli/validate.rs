@@ -34,10 +34,11 @@ pub(super) struct ValidateArgs {
     report: ReportArgs,
 }
 
-/// Benches, which are in `evidence`; all but one were commands of this program until version 0.1.
-const MOVED: [&str; 21] = [
+/// Benches, which are in `evidence`; all but two were commands of this program until version 0.1.
+const MOVED: [&str; 22] = [
     "tracking",
     "transducers",
+    "estimates",
     "drift",
     "commission",
     "import",

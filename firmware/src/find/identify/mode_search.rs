@@ -90,9 +90,9 @@ pub(crate) struct ModeSearch {
     nominal_q: f32,
     /// Noise of the current of a sample that needs no explanation, A.
     noise_a: f32,
-    /// Variance of the current of a line that needs no explanation, A^2: of the converters, and in
-    /// all, with a part of the largest line.
+    /// Expected variance of the current of a line, A^2: by the noise of the converters.
     unexplained: f32,
+    /// The same, with the error of the model.
     tolerated: f32,
     most: usize,
     stage: Stage,

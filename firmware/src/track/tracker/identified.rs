@@ -50,19 +50,23 @@ pub(crate) fn circuit(observer: &Observer, nominal_hz: f32, known: &Known) -> Tr
     learning.transducer
 }
 
-/// Returns the transducer of a scan, with deviations that contain a turn of the motional phase by
-/// other resonances, rad.
+/// Adds to the deviations of a scan those apart from noise: of the clamped capacitance, and by a
+/// turn of the motional phase by other resonances, rad.
 #[cold]
 #[inline(never)]
-pub(crate) fn crowded(scanned: &Transducer, phase_rad: f32) -> Transducer {
-    let mut transducer = *scanned;
-    let deviations = &mut transducer.deviations;
+pub(crate) fn widen(transducer: &mut Transducer, phase_rad: f32) {
+    let Transducer { series_resonance_hz: hz, parallel_resonance_hz, q, rm_ohm, lm_h, cm_f, c0_f, coupling, deviations, .. } =
+        transducer;
     let add = |deviation: &mut f32, size: f32| *deviation = libm::sqrtf(*deviation * *deviation + size * size);
-    add(&mut deviations.series_resonance_hz, 0.5 * phase_rad * scanned.series_resonance_hz / scanned.q);
-    add(&mut deviations.q, phase_rad * scanned.q);
-    add(&mut deviations.rm_ohm, phase_rad * scanned.rm_ohm);
-    add(&mut deviations.lm_h, phase_rad * scanned.lm_h);
-    transducer
+    add(&mut deviations.series_resonance_hz, 0.5 * phase_rad * *hz / *q);
+    add(&mut deviations.q, phase_rad * *q);
+    add(&mut deviations.rm_ohm, phase_rad * *rm_ohm);
+    add(&mut deviations.lm_h, phase_rad * *lm_h);
+    // `fp / fs = sqrt(1 + Cm / C0)`, and the coupling is `sqrt(Cm / (C0 + Cm))`.
+    let part = *cm_f / (*c0_f + *cm_f);
+    add(&mut deviations.c0_f, C0_UNCERTAINTY_REL * *c0_f);
+    add(&mut deviations.parallel_resonance_hz, 0.5 * part * C0_UNCERTAINTY_REL * *parallel_resonance_hz);
+    add(&mut deviations.coupling, 0.5 * (1.0 - part) * C0_UNCERTAINTY_REL * *coupling);
 }
 
 /// Identification in parts, because a square root takes as long as two periods of the lock-in. The
@@ -108,10 +112,7 @@ impl Learning {
         (reported.series_resonance_hz, reported.q, reported.rm_ohm) = (hz, 0.5 * omega / alpha, 2.0 * alpha * lm_h);
         (reported.lm_h, reported.cm_f, reported.c0_f) = (lm_h, cm_f, c0_f);
         (reported.modes, reported.chosen) = known.modes;
-        // The measured branch contains the admittance of the other resonances. `1 / (w Rm)` is
-        // `Q Cm`.
-        let others_f = reported.quality.others * reported.q * cm_f;
-        (self.part, self.clamped) = (cm_f / (c0_f + cm_f), C0_UNCERTAINTY_REL + (known.c0_f.1 + others_f) / c0_f);
+        (self.part, self.clamped) = (cm_f / (c0_f + cm_f), C0_UNCERTAINTY_REL + known.c0_f.1 / c0_f);
         (self.phase_rad, self.strength) =
             (known.phase_rad, if known.closely { STRENGTH_UNCERTAINTY_REL } else { OFF_RESONANCE_UNCERTAINTY_REL });
         (self.spread, self.settled, self.parts_left) = (observer.spread(), observer.has_settled(), 4);

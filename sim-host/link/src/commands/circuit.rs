@@ -21,14 +21,17 @@ pub fn in_words(report: &Telemetry, answer: Answer) -> Answer {
         quantity(found.c0_f.into(), "F"),
         found.coupling,
     ));
-    let LockQuality { loss, others, misfit } = found.quality;
-    let answer = answer.line(format!(
-        "quality of the lock: at most {:.2} % of the tip velocity lost; other resonances {:.2} % of the motional conductance; \
-         residual {misfit:.1} times the noise",
-        100.0 * loss,
-        100.0 * others
-    ));
     fields(found, answer).field("series_resonance_deviation_hz", short(scatter.series_resonance_hz))
+}
+
+/// Adds the quality of the lock on the identified transducer of a report.
+pub(super) fn quality(report: &Telemetry, answer: Answer) -> Answer {
+    let Some(LockQuality { loss, others, misfit }) = report.transducer.map(|found| found.quality) else { return answer };
+    let loss = if loss < 1.0 { format!("{:.2} % of the tip velocity may be lost", 100.0 * loss) } else { "unknown loss".into() };
+    answer.line(format!(
+        "quality of the lock: {loss}; other resonances have {:.2} % of the conductance; residual {misfit:.1} times the expected one",
+        100.0 * others
+    ))
 }
 
 /// Adds the values of an identified transducer to an answer, as fields.

@@ -64,7 +64,7 @@ pub fn run(args: &LockArgs, session: &mut Session) -> Result<Answer, LinkError> 
     } else {
         answer.line(format!("running at {:.2} Hz, {time_ms:.1} ms after the order; no resonance is tracked", report.frequency.0))
     };
-    let answer = scan::alternatives(&report, session, circuit::in_words(&report, answer))?
+    let answer = scan::alternatives(&report, session, circuit::quality(&report, circuit::in_words(&report, answer)))?
         .field("locked", report.locked)
         .field("frequency_hz", short(report.frequency.0))
         .field("resonance_hz", short(report.resonance.0))

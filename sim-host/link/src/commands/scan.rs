@@ -100,13 +100,17 @@ pub(super) fn ask(session: &mut Session) -> Result<ResonanceReport, LinkError> {
     }
 }
 
-/// Adds the resonances that may be meant instead, if the lock is uncertain.
+/// Lists the resonances of the last scan if the lock is uncertain.
 pub(super) fn alternatives(report: &Telemetry, session: &mut Session, answer: Answer) -> Result<Answer, LinkError> {
     if report.limit != Some(Limit::LockUncertain) {
         return Ok(answer);
     }
+    let found = ask(session)?;
+    if found.found.iter().all(Option::is_none) {
+        return Ok(answer.line("the lock is uncertain; `scan` lists the resonances"));
+    }
     let answer = answer.line("the lock is uncertain; resonances found by the scan (* is driven):");
-    Ok(list(&ask(session)?, report.transducer.as_ref(), answer))
+    Ok(list(&found, report.transducer.as_ref(), answer))
 }
 
 /// Lists all resonances in a table.

@@ -181,7 +181,7 @@ pub const METRICS: &[Metric] = &[
     row("modes_found", "1", Magnitude, Identified, "Number of resonances that the scan lists, inside and outside the window"),
     row("lock_loss", "1", Magnitude, Identified, "Part of the tip velocity per volt that the lock may lose, as far as the controller's measurements tell; above 0.01 it is reported (limit 107)"),
     row("lock_others", "1", Magnitude, Identified, "Admittance of the other resonances found, relative to the motional conductance, at the lock point"),
-    row("lock_misfit", "1", Magnitude, Identified, "Rms residual of the fitted circuit, relative to the noise of the converters"),
+    row("lock_misfit", "1", Magnitude, Identified, "Rms residual of the fitted circuit, relative to the expected one"),
     row("fault_code", "1", Code, End, "Number of the fault that ended the run; 0 for none"),
     row("fault_latency_us", "us", Magnitude, Event, "From the scene's first fault to the first sample without drive after the controller has entered the fault state and discarded its queue; if the drive was muted before that (limit 101), to the first block without drive"),
     row("limit_code", "1", Code, End, "Number of the limit in the last block with drive; 0 for none"),
