@@ -69,7 +69,7 @@ fn a_report_states_its_origin() {
 fn metrics_are_shown_with_their_digits() {
     let output = sim_host(&["run", "lock", "--no-report", "-v"]);
     let text = stdout(&output);
-    let line = text.lines().find(|line| line.contains(" parallel_resonance_hz")).unwrap_or_default().to_owned();
+    let line = text.lines().find(|line| line.contains(" series_resonance_hz")).unwrap_or_default().to_owned();
     let value =
         line.split('│').find_map(|cell| cell.split_whitespace().find(|word| word.contains('.') && word.parse::<f64>().is_ok()));
     assert!(value.is_some_and(|value| value.len() >= 8) && line.contains("Hz"), "{line}");
