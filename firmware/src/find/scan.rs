@@ -101,7 +101,7 @@ pub(crate) struct Scan {
     /// `true` if the chosen resonance is fitted alone: it is, or the fit of several has failed.
     alone: bool,
     /// Clamped capacitance from tones off resonance, F, to compare with that of the scan.
-    pub(crate) off_resonance_c0_f: Option<f32>,
+    off_resonance_c0_f: Option<f32>,
     /// Current below which a stack that still rings leaves room for a tone of another frequency, A.
     calm_a: f32,
     /// `true` while the vibration of a drive decays before the first sweep.
@@ -262,10 +262,13 @@ impl Scan {
             }
             Stage::RingDown(_) => {
                 let relative = 1.0 + self.resonance_hz() / self.nominal_hz;
-                if let Stage::RingDown(result) = &mut self.stage
-                    && result.check_block(sensed, relative)
-                {
-                    return Step::Done { volts: self.volts };
+                if let Stage::RingDown(result) = &mut self.stage {
+                    if self.blocks == 1 {
+                        result.state(self.modes.is_crowded(), self.off_resonance_c0_f);
+                    }
+                    if result.check_block(sensed, relative) {
+                        return Step::Done { volts: self.volts };
+                    }
                 }
                 self.tune()
             }

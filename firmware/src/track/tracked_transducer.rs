@@ -15,13 +15,10 @@ use crate::seam::fault::{Fault, Limit};
 use crate::seam::mode::Mode;
 use crate::seam::transducer::Transducer;
 use crate::sense::motional::Motional;
-use crate::track::tracker::identified::{self, Known, Learning, OFF_RESONANCE_UNCERTAINTY_REL};
+use crate::track::tracker::identified::{Known, Learning, OFF_RESONANCE_UNCERTAINTY_REL};
 use crate::track::tracker::observed::{NEARBY_REL, Retry};
 use crate::track::tracker::observer::Prior;
-use crate::track::tracker::start::OTHER_MODES_RAD;
 use crate::track::tracker::{State, Tracker};
-
-const TAU: f32 = core::f32::consts::TAU;
 
 /// Interval at which the identified transducer is taken from the observer, blocks.
 pub(crate) const LEARN_BLOCKS: u64 = 64;
@@ -32,10 +29,6 @@ const CLEAR_Q_REL: f32 = 0.3;
 const UNCERTAIN_SHIFT_BANDWIDTHS: f32 = 0.006;
 /// Smallest shift that makes a lock uncertain, Hz.
 const UNCERTAIN_SHIFT_HZ: f32 = 1.0;
-/// Tangent of the phase by which other resonances may turn the lock, relative to the difference of
-/// the clamped susceptances of the scan and of the tones off resonance in motional conductances:
-/// neither resolves those resonances, and the lock is off by one to three times that difference.
-const TURN_PER_CONTRADICTION: f32 = 2.85;
 /// Tolerance of comparisons, standard deviations.
 const TOLERANCE_SIGMAS: f32 = 3.0;
 
@@ -172,29 +165,21 @@ impl TrackedTransducer {
         *self.learning.quality() = clamped.quality;
     }
 
-    /// Takes the transducer found by the scan, and all its modes. `off_resonance_c0_f` is the
-    /// clamped capacitance from the tones off resonance, F.
-    pub(crate) fn adopt(&mut self, found: &RingDown, modes: &Modes, off_resonance_c0_f: Option<f32>) {
-        let (scanned, branch, is_crowded) = (&found.transducer, found.motional, modes.is_crowded());
-        self.tracker.seed(scanned, branch, self.noise_a(&branch), is_crowded);
-        let mut transducer = *scanned;
-        let deviation = transducer.deviations.c0_f / transducer.c0_f;
-        identified::widen(&mut transducer, if is_crowded { OTHER_MODES_RAD } else { 0.0 });
-        self.lm_deviation = transducer.deviations.lm_h / transducer.lm_h;
-        self.online.seed(branch, deviation, transducer.series_resonance_hz, transducer.q);
-        self.online.set_slope(found.slope);
+    /// Takes the transducer found by the scan, and all its modes.
+    pub(crate) fn adopt(&mut self, found: &RingDown, modes: &Modes) {
+        let RingDown { transducer: scanned, stated, motional: branch, slope, .. } = found;
+        let is_crowded = modes.is_crowded();
+        self.tracker.seed(scanned, *branch, self.noise_a(branch), is_crowded);
+        self.lm_deviation = stated.deviations.lm_h / stated.lm_h;
+        self.online.seed(*branch, scanned.deviations.c0_f / scanned.c0_f, scanned.series_resonance_hz, scanned.q);
+        self.online.set_slope(*slope);
         if is_crowded {
             self.online.omit_rounds();
         }
         self.other_mode = modes.other_mode();
-        let off_f = off_resonance_c0_f.map_or(0.0, |c0_f| transducer.c0_f - c0_f);
         self.is_uncertain = false;
-        let contradiction = TAU * transducer.series_resonance_hz * off_f.abs() * transducer.rm_ohm;
-        // Two standard deviations, in half bandwidths.
-        let shift = 4.0 * transducer.q * transducer.deviations.series_resonance_hz / transducer.series_resonance_hz;
-        transducer.quality.turn(larger(TURN_PER_CONTRADICTION * contradiction, shift));
-        self.transducer = Some(transducer);
-        self.learning.adopt(&transducer);
+        self.transducer = Some(*stated);
+        self.learning.adopt(stated);
     }
 
     /// Takes the clamped branch and the quality factor measured at the lock point.

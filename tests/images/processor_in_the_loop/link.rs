@@ -138,6 +138,8 @@ fn a_board_scans_locks_bursts_and_captures_over_its_uart() {
     assert_eq!(host.ask(Command::Reset), Reply::Nak(Refusal::Driving));
     assert_eq!(host.ask(Command::Idle), Reply::Ack);
     host.until(|(mode, ..)| mode == Mode::Idle, Duration::from_millis(50));
+    // The drive that ends is queued, and fades.
+    (0..4).for_each(|_| drop(host.block()));
     assert!(!host.board.pins().enable);
     // Key 15: `tracking.nominal_q`.
     assert_eq!(host.ask(Command::Settings(Verb::Set(15, 61.0))), Reply::Ack);

@@ -25,7 +25,7 @@ impl Stage for Scan {
             return step;
         }
         if let (Step::Done { .. }, Some(found)) = (step, self.found()) {
-            chain.track.adopt(found, self.modes(), self.off_resonance_c0_f);
+            chain.track.adopt(found, self.modes());
             chain.generator.sweep.hold.retune(chain.track.tracker.offset_hz());
             chain.generator.amplitude.seed(&found.transducer, magnitude(measured.motional));
         }

@@ -2,18 +2,11 @@
 //! from the strength. The clamped capacitance comes from the calibration. The strength is learned
 //! while the current builds up, so that Q and Rm are as accurate as the strength.
 
+use crate::find::scan::ring_down::C0_UNCERTAINTY_REL;
 use crate::seam::transducer::{LockQuality, Transducer};
 use crate::track::tracker::observer::{Observer, Spread};
 
 const TAU: f32 = core::f32::consts::TAU;
-
-/// Relative uncertainty of the clamped capacitance apart from noise.
-///
-/// Images of the drive's converter also flow through it and are read at the drive's frequency. With
-/// an amplifier of 200 kHz it seems up to 3.2 % smaller, less if the source's resistance blocks the
-/// images (column `c0_error_f` of the file that `evidence transducers` writes). A faster amplifier
-/// passes more of them.
-const C0_UNCERTAINTY_REL: f32 = 0.018;
 
 /// Uncertainty of the motional phase at the lock point apart from noise, rad: from the axis of the
 /// sensing chain and the clamped branch that is subtracted.
@@ -48,25 +41,6 @@ pub(crate) fn circuit(observer: &Observer, nominal_hz: f32, known: &Known) -> Tr
         learning.advance();
     }
     learning.transducer
-}
-
-/// Adds to the deviations of a scan those apart from noise: of the clamped capacitance, and by a
-/// turn of the motional phase by other resonances, rad.
-#[cold]
-#[inline(never)]
-pub(crate) fn widen(transducer: &mut Transducer, phase_rad: f32) {
-    let Transducer { series_resonance_hz: hz, parallel_resonance_hz, q, rm_ohm, lm_h, cm_f, c0_f, coupling, deviations, .. } =
-        transducer;
-    let add = |deviation: &mut f32, size: f32| *deviation = libm::sqrtf(*deviation * *deviation + size * size);
-    add(&mut deviations.series_resonance_hz, 0.5 * phase_rad * *hz / *q);
-    add(&mut deviations.q, phase_rad * *q);
-    add(&mut deviations.rm_ohm, phase_rad * *rm_ohm);
-    add(&mut deviations.lm_h, phase_rad * *lm_h);
-    // `fp / fs = sqrt(1 + Cm / C0)`, and the coupling is `sqrt(Cm / (C0 + Cm))`.
-    let part = *cm_f / (*c0_f + *cm_f);
-    add(&mut deviations.c0_f, C0_UNCERTAINTY_REL * *c0_f);
-    add(&mut deviations.parallel_resonance_hz, 0.5 * part * C0_UNCERTAINTY_REL * *parallel_resonance_hz);
-    add(&mut deviations.coupling, 0.5 * (1.0 - part) * C0_UNCERTAINTY_REL * *coupling);
 }
 
 /// Identification in parts, because a square root takes as long as two periods of the lock-in. The

@@ -1,6 +1,7 @@
 //! Start of the tracker: on nominal values, on those of a scan, and again after a lost lock.
 
 use crate::find::clamped::MIN_OBSERVED_BLOCKS;
+use crate::find::scan::ring_down::OTHER_MODES_RAD;
 use crate::seam::compare::larger;
 use crate::seam::config::{Config, TrackingMode};
 use crate::seam::error::Error;
@@ -22,8 +23,6 @@ const RING_UP_TIME_CONSTANTS: f32 = 0.5;
 const LOCK_TIMEOUT: (u32, f32) = (2000, 50.0);
 /// Standard deviation of a resonance found by a scan, bandwidths.
 const SCAN_DEVIATION_BANDWIDTHS: f32 = 0.1;
-/// Turn of the motional phase at the lock point by other resonances, if a scan has found some, rad.
-pub(crate) const OTHER_MODES_RAD: f32 = 0.02;
 /// Turn of the motional phase by other resonances, rad, for a first clamped branch that was wrong
 /// by the motional conductance.
 const WRONG_BRANCH_RAD: f32 = 0.5;
