@@ -106,12 +106,10 @@ impl Stages {
     fn go_back(&mut self, chain: &mut Chain, mode: Mode) {
         match mode {
             Mode::SelfTest => {
-                chain.generator.fade();
                 self.self_test.begin(chain);
                 self.clamped.begin_twice(chain.track.transducer().map(|transducer| transducer.q));
             }
             Mode::Scan => {
-                chain.generator.fade();
                 self.scan.restart_after_drive(self.clamped.shown_c0_f);
             }
             _ => {}
