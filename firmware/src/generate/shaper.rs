@@ -155,6 +155,7 @@ impl Shaper {
         fit(play, drive);
         let size = Size::new(play);
         match shape {
+            Shape::Sine if play.stretch.step == 0 => self.steady(size, play, drive),
             Shape::Sine => self.swung(size, play, drive),
             Shape::Harmonics(_, bands) => self.read(&bands.at(play.stretch.frequency()), size, play, drive),
             Shape::Noise(_, noise) => self.noise(noise, size, play, drive),
@@ -170,6 +171,7 @@ impl Shaper {
 
     /// Writes a sine of constant frequency. Most blocks are `even` or `edge`, which are separate so
     /// that neither slows the other.
+    #[inline(always)]
     fn steady(&mut self, size: Size, play: &Play, drive: &mut DriveBlock) {
         match (&self.dither, play.envelope) {
             _ if play.stretch.word > Steps::MAX_SMALL_WORD => self.swung(size, play, drive),
