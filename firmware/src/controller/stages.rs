@@ -104,6 +104,7 @@ impl Stages {
     /// Prepares the stage to which a lost lock goes back, or that replaces another one.
     #[inline(never)]
     fn go_back(&mut self, chain: &mut Chain, mode: Mode) {
+        chain.generator.fade();
         match mode {
             Mode::SelfTest => {
                 self.self_test.begin(chain);

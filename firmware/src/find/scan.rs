@@ -36,7 +36,7 @@ use crate::seam::block::{LATENCY_BLOCKS, SenseBlock};
 use crate::seam::config::{Config, TrackingMode};
 use crate::seam::fault::Fault;
 use crate::seam::phasor::magnitude;
-use crate::seam::transducer::{MOST_MODES, Transducer};
+use crate::seam::transducer::{Deviations, MOST_MODES, Transducer};
 use crate::sense::convert::Convert;
 use crate::sense::demod::Sensed;
 
@@ -337,9 +337,11 @@ impl Scan {
         let reach_hz = 0.5 * width_hz * (1.0 + MARGIN_REL);
         let own = |hz: f32| self.parts == 1 || (hz - middle_hz).abs() < reach_hz;
         let (circuit, deviations) = self.search.found();
-        for (pole, deviations) in circuit.poles.iter().zip(deviations).filter(|(pole, _)| own(pole.offset_hz)) {
-            self.modes.add(*pole, *deviations, self.parts > 1);
-        }
+        let is_new = |(pole, _): &(&Pole, &Deviations)| own(pole.offset_hz) && !self.modes.contains(pole);
+        // Before any is added: two of the same part are never the same.
+        let new: Vec<(Pole, Deviations), MOST_MODES> =
+            circuit.poles.iter().zip(deviations).filter(is_new).map(|(pole, deviations)| (*pole, *deviations)).collect();
+        new.iter().for_each(|(pole, deviations)| self.modes.add(*pole, *deviations));
     }
 
     /// Chooses the resonance, and starts the fine pass unless its deviation is already small
@@ -393,8 +395,8 @@ impl Scan {
         let (circuit, deviations) = self.search.found();
         match circuit.poles.first() {
             Some(pole) if pole.offset_hz.abs() <= self.window_hz => {
-                self.modes.refine(circuit, deviations);
-                self.take(0)
+                let place = self.modes.refine(circuit, deviations, &self.choice);
+                self.take(place)
             }
             // The others may be too weak for a fit together.
             None if !core::mem::replace(&mut self.alone, true) => {

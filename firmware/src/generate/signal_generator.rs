@@ -102,7 +102,7 @@ impl SignalGenerator {
     }
 
     /// Lets a drive fade in the next block instead of ending at once.
-    fn fade(&mut self) {
+    pub(crate) fn fade(&mut self) {
         self.fades = self.burst.is_open();
     }
 

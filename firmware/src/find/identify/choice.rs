@@ -37,11 +37,7 @@ impl Choice {
     pub(crate) fn choose(&self, found: &[Resonance], lm_deviations_h: &[f32]) -> Result<usize, Fault> {
         let (centre_hz, half_hz) = self.window_hz;
         let inside = |resonance: &Resonance| (resonance.hz - centre_hz).abs() <= half_hz;
-        let fits = |n: usize, resonance: &Resonance| {
-            let deviation_h = lm_deviations_h.get(n).copied().unwrap_or_default();
-            let factor = LM_FACTOR * (1.0 + smaller(MARGIN_SIGMAS * deviation_h / resonance.lm_h, MAX_MARGIN_REL));
-            self.nominal_lm_h.is_none_or(|nominal| resonance.lm_h < nominal * factor && resonance.lm_h * factor > nominal)
-        };
+        let fits = |n, resonance: &Resonance| self.fits(resonance.lm_h, lm_deviations_h.get(n).copied().unwrap_or_default());
         if !found.iter().any(inside) {
             return Err(Fault::NoResonance);
         }
@@ -56,6 +52,12 @@ impl Choice {
         }
         let ambiguous = self.nominal_lm_h.is_none() && second > AMBIGUOUS_RATIO * best.1;
         best.0.filter(|_| !ambiguous).ok_or(Fault::WrongMode)
+    }
+
+    /// Returns `true` if an inductance with this standard deviation, H, fits the nominal one.
+    pub(crate) fn fits(&self, lm_h: f32, deviation_h: f32) -> bool {
+        let factor = LM_FACTOR * (1.0 + smaller(MARGIN_SIGMAS * deviation_h / lm_h, MAX_MARGIN_REL));
+        self.nominal_lm_h.is_none_or(|nominal| lm_h < nominal * factor && lm_h * factor > nominal)
     }
 }
 

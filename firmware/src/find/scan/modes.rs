@@ -4,12 +4,16 @@ use heapless::Vec;
 
 use crate::find::identify::choice::Choice;
 use crate::find::identify::pole_fit::{Circuit, Pole};
+use crate::seam::compare::{larger, smaller};
 use crate::seam::fault::Fault;
 use crate::seam::phasor::magnitude;
 use crate::seam::transducer::{Deviations, Listed, MOST_MODES, Resonance, Resonances};
 
-/// Minimum distance of two poles, in bandwidths; closer ones are the same pole found twice.
+/// Minimum distance of two poles, in bandwidths of the broader one, and the largest ratio of their
+/// Q. Closer and more similar ones are the same pole found twice; a narrow one on the flank of a
+/// broad one is another.
 const MIN_DISTANCE_BANDWIDTHS: f32 = 0.25;
+const MAX_Q_RATIO: f32 = 2.0;
 
 /// Maximum distance of a neighbour, in bandwidths of the chosen resonance. A fine pass that leaves
 /// it out cannot separate both.
@@ -92,13 +96,18 @@ impl Modes {
         })
     }
 
-    /// Adds a resonance. If the list is full, the weakest is dropped. With `overlap`, a resonance
-    /// that an earlier part of the window contained is ignored.
-    pub(crate) fn add(&mut self, pole: Pole, deviations: Deviations, overlap: bool) {
-        let apart_hz = MIN_DISTANCE_BANDWIDTHS * (self.nominal_hz + pole.offset_hz) / pole.q;
-        if overlap && self.found.iter().any(|(other, _)| (other.offset_hz - pole.offset_hz).abs() < apart_hz) {
-            return;
-        }
+    /// Returns `true` if the list contains this resonance, as an earlier part of the window showed
+    /// it.
+    pub(crate) fn contains(&self, pole: &Pole) -> bool {
+        self.found.iter().any(|(other, _)| {
+            let (least, most) = (smaller(other.q, pole.q), larger(other.q, pole.q));
+            let apart_hz = MIN_DISTANCE_BANDWIDTHS * (self.nominal_hz + pole.offset_hz) / least;
+            (other.offset_hz - pole.offset_hz).abs() < apart_hz && most < MAX_Q_RATIO * least
+        })
+    }
+
+    /// Adds a resonance. If the list is full, the weakest is dropped.
+    pub(crate) fn add(&mut self, pole: Pole, deviations: Deviations) {
         let strengths = self.found.iter().map(|(pole, _)| pole.strength()).enumerate();
         match strengths.min_by(|(_, a), (_, b)| a.total_cmp(b)).filter(|_| self.found.is_full()) {
             Some((_, weakest)) if weakest > pole.strength() => return,
@@ -118,11 +127,23 @@ impl Modes {
         Ok(())
     }
 
-    /// Replaces the chosen resonance, the first of a later fit, and all others of that fit.
-    pub(crate) fn refine(&mut self, fitted: &Circuit, deviations: &[Deviations]) {
+    /// Replaces the chosen resonance, the first of a later fit, and all others of that fit. Returns
+    /// the index of the chosen one in that fit: another one if the fit exchanged two of them, so
+    /// that the inductance of the first no longer fits.
+    pub(crate) fn refine(&mut self, fitted: &Circuit, deviations: &[Deviations], choice: &Choice) -> usize {
         self.found.retain(|(pole, _)| fitted.known.contains(pole));
-        fitted.poles.iter().zip(deviations).for_each(|(pole, deviations)| self.add(*pole, *deviations, false));
+        fitted.poles.iter().zip(deviations).for_each(|(pole, deviations)| self.add(*pole, *deviations));
         self.chosen = self.found.iter().position(|(pole, _)| fitted.poles.first() == Some(pole)).unwrap_or(0);
+        let first = self.chosen;
+        let fits = self.listed.get(first).zip(deviations.first()).is_none_or(|(one, off)| choice.fits(one.lm_h, off.lm_h));
+        let place = |modes: &Modes| fitted.poles.iter().position(|pole| modes.chosen().is_some_and(|(one, _)| one == pole));
+        if !fits && self.choose(choice).is_ok() {
+            if let Some(place) = place(self) {
+                return place;
+            }
+            self.chosen = first;
+        }
+        0
     }
 
     fn list(&mut self) {
@@ -151,7 +172,7 @@ mod tests {
         let crowded = |others: &[(f32, f32)]| {
             let mut modes = Modes::new(40e3);
             for &(offset_hz, strength) in [(0.0, 1.0)].iter().chain(others) {
-                modes.add(pole(offset_hz, 0.3 * strength), Deviations::default(), false);
+                modes.add(pole(offset_hz, 0.3 * strength), Deviations::default());
             }
             modes.choose(&Choice { window_hz: (40e3, 5e3), nominal_lm_h: None }).unwrap();
             modes.is_crowded()
@@ -160,11 +181,27 @@ mod tests {
         assert!(crowded(&[(1200.0, 0.7), (200.0, 0.05)]));
     }
 
+    /// A broad resonance and a narrow one on its flank were taken for the same: the narrow one was
+    /// then driven, or refused as the wrong mode.
+    #[test]
+    fn a_narrow_resonance_on_the_flank_of_a_broad_one_is_another() {
+        let [mut broad, narrow] = [pole(3000.0, 5.0), pole(0.0, 0.7)];
+        broad.q = 6.0;
+        for (first, second) in [(broad, narrow), (narrow, broad)] {
+            let mut modes = Modes::new(101e3);
+            modes.add(first, Deviations::default());
+            assert!(modes.contains(&first) && !modes.contains(&second));
+        }
+    }
+
     #[test]
     fn weakest_of_five_is_dropped_and_none_is_listed_twice() {
         let mut modes = Modes::new(40e3);
         for (offset_hz, conductance_s) in [(900.0, 0.2), (-900.0, 0.1), (0.0, 0.3), (500.0, 0.05), (-300.0, 0.4), (-302.0, 0.4)] {
-            modes.add(pole(offset_hz, conductance_s), Deviations::default(), true);
+            let pole = pole(offset_hz, conductance_s);
+            if !modes.contains(&pole) {
+                modes.add(pole, Deviations::default());
+            }
         }
         let offsets: std::vec::Vec<f32> = modes.listed().iter().map(|resonance| resonance.hz - 40e3).collect();
         assert_eq!(offsets, [-900.0, -300.0, 0.0, 900.0]);
