@@ -345,9 +345,12 @@ impl Scan {
     }
 
     /// Chooses the resonance, and starts the fine pass unless its deviation is already small
-    /// enough.
+    /// enough. If no inductance fits, the strongest resonance is taken, and the fine pass decides:
+    /// the window may show others only as a part of it.
     fn choose(&mut self) -> Step {
-        if let Err(fault) = self.modes.choose(&self.choice) {
+        let fits = self.modes.choose(&self.choice);
+        let strongest = Choice { nominal_lm_h: None, ..self.choice };
+        if let Err(fault) = fits.or_else(|fault| self.modes.choose(&strongest).map_err(|_| fault)) {
             return Step::Failed(fault);
         }
         let Some(&(pole, deviations)) = self.modes.chosen() else { return Step::Failed(Fault::NoResonance) };
@@ -361,7 +364,7 @@ impl Scan {
             has_neighbour: self.modes.has_neighbour(),
         };
         let fine = self.pass.fine(&seen, reach_hz, self.block_s);
-        if fine.repeats > 0 || self.parts > 1 {
+        if fine.repeats > 0 || self.parts > 1 || fits.is_err() {
             self.begin_pass(Pass { repeats: fine.repeats.max(1), ..fine }, Stage::Fine);
             return self.tune();
         }
@@ -395,8 +398,10 @@ impl Scan {
         let (circuit, deviations) = self.search.found();
         match circuit.poles.first() {
             Some(pole) if pole.offset_hz.abs() <= self.window_hz => {
-                let place = self.modes.refine(circuit, deviations, &self.choice);
-                self.take(place)
+                match self.modes.refine(circuit, deviations, &self.choice) {
+                    Ok(place) => self.take(place),
+                    Err(fault) => Step::Failed(fault),
+                }
             }
             // The others may be too weak for a fit together.
             None if !core::mem::replace(&mut self.alone, true) => {

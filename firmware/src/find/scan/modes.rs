@@ -128,22 +128,19 @@ impl Modes {
     }
 
     /// Replaces the chosen resonance, the first of a later fit, and all others of that fit. Returns
-    /// the index of the chosen one in that fit: another one if the fit exchanged two of them, so
-    /// that the inductance of the first no longer fits.
-    pub(crate) fn refine(&mut self, fitted: &Circuit, deviations: &[Deviations], choice: &Choice) -> usize {
+    /// the index of the chosen one in that fit: another one if the inductance of the first no
+    /// longer fits, as the fit may exchange two of them.
+    pub(crate) fn refine(&mut self, fitted: &Circuit, deviations: &[Deviations], choice: &Choice) -> Result<usize, Fault> {
         self.found.retain(|(pole, _)| fitted.known.contains(pole));
         fitted.poles.iter().zip(deviations).for_each(|(pole, deviations)| self.add(*pole, *deviations));
         self.chosen = self.found.iter().position(|(pole, _)| fitted.poles.first() == Some(pole)).unwrap_or(0);
-        let first = self.chosen;
-        let fits = self.listed.get(first).zip(deviations.first()).is_none_or(|(one, off)| choice.fits(one.lm_h, off.lm_h));
-        let place = |modes: &Modes| fitted.poles.iter().position(|pole| modes.chosen().is_some_and(|(one, _)| one == pole));
-        if !fits && self.choose(choice).is_ok() {
-            if let Some(place) = place(self) {
-                return place;
-            }
-            self.chosen = first;
+        let first = self.listed.get(self.chosen).zip(deviations.first());
+        if !first.is_none_or(|(one, off)| choice.fits(one.lm_h, off.lm_h)) {
+            self.choose(choice)?;
         }
-        0
+        let chosen = self.chosen().map(|(pole, _)| pole);
+        // One that is not in this fit is not measured well enough to be driven.
+        fitted.poles.iter().position(|pole| Some(pole) == chosen).ok_or(Fault::WrongMode)
     }
 
     fn list(&mut self) {
