@@ -69,11 +69,19 @@ const MAX_SHIFT_DEPOLED_REL: f32 = 0.2;
 /// Ratio of the motional inductance to the nominal one above which a stack is depoled. Without a
 /// nominal inductance, a stack without a significant resonance is depoled.
 const DEPOLED_LM_RATIO: f32 = 5.0;
+/// Q relative to the nominal one below which damage is reported without a scan. It lies between the
+/// fifth left by a crack and the third of a nominal Q that is too high.
+const CRACKED_Q_REL: f32 = 0.27;
 /// Minimum Q relative to the one tracked before; a load may reduce it to a third.
 const FALLEN_Q_REL: f32 = 0.3;
 /// Maximum rms residual of two resonances, in standard deviations. Healthy transducers reach 4;
 /// beyond this limit a transducer cannot be tracked.
 const MAX_MISFIT_SIGMAS: f32 = 20.0;
+/// Maximum relative deviation of Q with which damage is reported without a scan. That of a crack is
+/// below 1.3 %; resonances that the tones cannot separate make a Q that is low, but less certain.
+const CERTAIN_Q_REL: f32 = 0.02;
+/// Maximum misfit with which damage is reported without a scan, standard deviations.
+const CERTAIN_MISFIT_SIGMAS: f32 = 8.0;
 /// Maximum standard deviation of the motional phase at the lock point, rad. Healthy transducers
 /// reach 2e-3; beyond this limit there is no usable lock point.
 const MAX_PHASE_DEVIATION_RAD: f32 = 0.1;
@@ -301,8 +309,12 @@ impl PowerOn {
     fn judge(&self, solution: &Solution, found: &Clamped) -> Result<(), Refused> {
         let q_at_most = found.q.value + MARGIN_SIGMAS * found.q.deviation;
         let damage = if self.is_nominal { damage(q_at_most / self.nominal_q) } else { Damage::None };
+        let clear = found.q.deviation < CERTAIN_Q_REL * found.q.value && solution.misfit < CERTAIN_MISFIT_SIGMAS;
         let strongest = found.second_mode.map_or(1.0, |(_, strength)| strength.max(1.0));
-        let fallen = self.tracked_q.is_some_and(|q| q_at_most < FALLEN_Q_REL * q);
+        // The mode of a crack is the weaker one; next to a stronger one, the low Q is a neighbour's.
+        let cracked =
+            damage == Damage::Certain && clear && strongest <= 1.0 && q_at_most < CRACKED_Q_REL * self.nominal_q;
+        let fallen = cracked || self.tracked_q.is_some_and(|q| q_at_most < FALLEN_Q_REL * q);
         let shift = ((found.c0_f.value - self.c0_f).abs() - MARGIN_SIGMAS * found.c0_f.deviation) / self.c0_f;
         let turn = 2.0 * found.lock_deviation_hz * found.q.value / found.resonance_hz.value;
         let explained = fit::is_plausible(&solution.elements) && solution.misfit < MAX_MISFIT_SIGMAS;
