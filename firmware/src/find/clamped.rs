@@ -312,8 +312,7 @@ impl PowerOn {
         let clear = found.q.deviation < CERTAIN_Q_REL * found.q.value && solution.misfit < CERTAIN_MISFIT_SIGMAS;
         let strongest = found.second_mode.map_or(1.0, |(_, strength)| strength.max(1.0));
         // The mode of a crack is the weaker one; next to a stronger one, the low Q is a neighbour's.
-        let cracked =
-            damage == Damage::Certain && clear && strongest <= 1.0 && q_at_most < CRACKED_Q_REL * self.nominal_q;
+        let cracked = damage == Damage::Certain && clear && strongest <= 1.0 && q_at_most < CRACKED_Q_REL * self.nominal_q;
         let fallen = cracked || self.tracked_q.is_some_and(|q| q_at_most < FALLEN_Q_REL * q);
         let shift = ((found.c0_f.value - self.c0_f).abs() - MARGIN_SIGMAS * found.c0_f.deviation) / self.c0_f;
         let turn = 2.0 * found.lock_deviation_hz * found.q.value / found.resonance_hz.value;

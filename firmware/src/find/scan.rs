@@ -397,12 +397,10 @@ impl Scan {
     fn take_fit(&mut self) -> Step {
         let (circuit, deviations) = self.search.found();
         match circuit.poles.first() {
-            Some(pole) if pole.offset_hz.abs() <= self.window_hz => {
-                match self.modes.refine(circuit, deviations, &self.choice) {
-                    Ok(place) => self.take(place),
-                    Err(fault) => Step::Failed(fault),
-                }
-            }
+            Some(pole) if pole.offset_hz.abs() <= self.window_hz => match self.modes.refine(circuit, deviations, &self.choice) {
+                Ok(place) => self.take(place),
+                Err(fault) => Step::Failed(fault),
+            },
             // The others may be too weak for a fit together.
             None if !core::mem::replace(&mut self.alone, true) => {
                 self.begin(Stage::Fit);

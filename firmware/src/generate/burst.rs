@@ -363,7 +363,8 @@ impl Burst {
         let (mut level, rise) = (0, (step * one) as i32);
         let mut next = |part: &mut i32| {
             *part = level;
-            level += rise;
+            // The last sum, which is not used, may be 2^31.
+            level = level.wrapping_add(rise);
         };
         let (rest, fours) = self.levels.as_rchunks_mut::<4>();
         // Written out: a compiler that optimizes for size leaves a loop of one here.

@@ -191,6 +191,20 @@ mod tests {
         }
     }
 
+    /// A fit may exchange two resonances: the first is then no longer the chosen one.
+    #[test]
+    fn a_refined_resonance_fits_the_nominal_inductance() {
+        let [strong, weak] = [pole(0.0, 0.3), pole(500.0, 0.01)];
+        let lm_h = |pole: &Pole| pole.q / (core::f32::consts::TAU * (40e3 + pole.offset_hz) * pole.conductance.re);
+        let refined = |poles: &[Pole], nominal: &Pole| {
+            let choice = Choice { window_hz: (40e3, 5e3), nominal_lm_h: Some(lm_h(nominal)) };
+            let fitted = Circuit { poles: poles.iter().copied().collect(), ..Circuit::bare(40e3, 1e-9) };
+            Modes::new(40e3).refine(&fitted, &[Deviations::default(); 2], &choice)
+        };
+        assert_eq!([refined(&[strong, weak], &strong), refined(&[weak, strong], &strong)], [Ok(0), Ok(1)]);
+        assert_eq!(refined(&[weak], &strong), Err(Fault::WrongMode));
+    }
+
     #[test]
     fn weakest_of_five_is_dropped_and_none_is_listed_twice() {
         let mut modes = Modes::new(40e3);
