@@ -27,12 +27,14 @@ pub mod online;
 pub(crate) mod reading;
 
 use crate::find::clamped::fit::{Fit, MAX_POINTS, Point, Solution};
+use crate::find::clamped::model::D2;
 use crate::find::clamped::reading::Deviations;
 pub use crate::find::clamped::reading::{Clamped, Measured};
 use crate::find::damage::{Damage, damage};
 use crate::generate::shape::sine;
 use crate::generate::step::Step;
 use crate::seam::block::LATENCY_BLOCKS;
+use crate::seam::compare::larger;
 use crate::seam::config::Config;
 use crate::seam::fault::Fault;
 use crate::seam::mode::Mode;
@@ -311,8 +313,10 @@ impl PowerOn {
         let damage = if self.is_nominal { damage(q_at_most / self.nominal_q) } else { Damage::None };
         let clear = found.q.deviation < CERTAIN_Q_REL * found.q.value && solution.misfit < CERTAIN_MISFIT_SIGMAS;
         let strongest = found.second_mode.map_or(1.0, |(_, strength)| strength.max(1.0));
-        // The mode of a crack is the weaker one; next to a stronger one, the low Q is a neighbour's.
-        let cracked = damage == Damage::Certain && clear && strongest <= 1.0 && q_at_most < CRACKED_Q_REL * self.nominal_q;
+        // Both modes of a cracked stack have the low Q; next to a stronger one without it, that Q is a
+        // neighbour's.
+        let stronger_q = if strongest > 1.0 { 1.0 / solution.elements[D2] } else { 0.0 };
+        let cracked = damage == Damage::Certain && clear && larger(q_at_most, stronger_q) < CRACKED_Q_REL * self.nominal_q;
         let fallen = cracked || self.tracked_q.is_some_and(|q| q_at_most < FALLEN_Q_REL * q);
         let shift = ((found.c0_f.value - self.c0_f).abs() - MARGIN_SIGMAS * found.c0_f.deviation) / self.c0_f;
         let turn = 2.0 * found.lock_deviation_hz * found.q.value / found.resonance_hz.value;
