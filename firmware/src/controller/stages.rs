@@ -104,13 +104,14 @@ impl Stages {
     /// Prepares the stage to which a lost lock goes back, or that replaces another one.
     #[inline(never)]
     fn go_back(&mut self, chain: &mut Chain, mode: Mode) {
-        chain.generator.fade();
         match mode {
             Mode::SelfTest => {
+                chain.generator.fade();
                 self.self_test.begin(chain);
                 self.clamped.begin_twice(chain.track.transducer().map(|transducer| transducer.q));
             }
             Mode::Scan => {
+                chain.generator.fade();
                 self.scan.restart_after_drive(self.clamped.shown_c0_f);
             }
             _ => {}

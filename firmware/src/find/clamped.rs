@@ -313,8 +313,8 @@ impl PowerOn {
         let damage = if self.is_nominal { damage(q_at_most / self.nominal_q) } else { Damage::None };
         let clear = found.q.deviation < CERTAIN_Q_REL * found.q.value && solution.misfit < CERTAIN_MISFIT_SIGMAS;
         let strongest = found.second_mode.map_or(1.0, |(_, strength)| strength.max(1.0));
-        // Both modes of a cracked stack have the low Q; next to a stronger one without it, that Q
-        // is a neighbour's.
+        // Both modes of a cracked stack have a low Q. If only the weaker one has it, the stack is
+        // healthy.
         let stronger_q = if strongest > 1.0 { 1.0 / solution.elements[D2] } else { 0.0 };
         let cracked = damage == Damage::Certain && clear && larger(q_at_most, stronger_q) < CRACKED_Q_REL * self.nominal_q;
         let fallen = cracked || self.tracked_q.is_some_and(|q| q_at_most < FALLEN_Q_REL * q);

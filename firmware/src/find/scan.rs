@@ -338,7 +338,7 @@ impl Scan {
         let own = |hz: f32| self.parts == 1 || (hz - middle_hz).abs() < reach_hz;
         let (circuit, deviations) = self.search.found();
         let is_new = |(pole, _): &(&Pole, &Deviations)| own(pole.offset_hz) && !self.modes.contains(pole);
-        // Before any is added: two of the same part are never the same.
+        // Compared before any is added: two resonances of one part are distinct.
         let new: Vec<(Pole, Deviations), MOST_MODES> =
             circuit.poles.iter().zip(deviations).filter(is_new).map(|(pole, deviations)| (*pole, *deviations)).collect();
         new.iter().for_each(|(pole, deviations)| self.modes.add(*pole, *deviations));
@@ -346,7 +346,7 @@ impl Scan {
 
     /// Chooses the resonance, and starts the fine pass unless its deviation is already small
     /// enough. If no inductance fits, the strongest resonance is taken, and the fine pass decides:
-    /// the window may show others only as a part of it.
+    /// the window may merge others into it.
     fn choose(&mut self) -> Step {
         let fits = self.modes.choose(&self.choice);
         let strongest = Choice { nominal_lm_h: None, ..self.choice };
@@ -426,8 +426,9 @@ impl Scan {
             chosen: self.modes.place() as u8,
             ..circuit.transducer(place)
         };
-        // During the search the drive was at the centre of the window, not at the resonance.
-        let still_blocks = if self.stage == Stage::Fit { self.still_blocks } else { 0 };
+        // During the search the drive was at the centre of the window, not at the resonance; during
+        // the fit it was at the first one.
+        let still_blocks = if self.stage == Stage::Fit && place == 0 { self.still_blocks } else { 0 };
         self.begin(Stage::RingDown(RingDown::new(
             transducer,
             (circuit.motional(place), circuit.others_slope(place)),

@@ -3,7 +3,7 @@
 //! 1. The resonance is inside the window. If none is, there is no resonance (fault 30).
 //! 2. If a motional inductance is configured (`tracking.nominal_lm_h`), the inductance of the
 //!    resonance is within [`LM_FACTOR`] of it, or within three standard deviations of that. If no
-//!    resonance fits, the mode is wrong (fault 34).
+//!    resonance fits, the mode is wrong (fault 34), unless the fine pass of a scan finds one.
 //! 3. Among the remaining resonances, the one with the largest motional capacitance is chosen, as
 //!    damping does not change it. The choice is ambiguous (fault 34) if the inductance is not
 //!    configured and another resonance has more than `AMBIGUOUS_RATIO` of that capacitance.

@@ -9,10 +9,10 @@ use crate::seam::fault::Fault;
 use crate::seam::phasor::magnitude;
 use crate::seam::transducer::{Deviations, Listed, MOST_MODES, Resonance, Resonances};
 
-/// Minimum distance of two poles, in bandwidths of the broader one, and the largest ratio of their
-/// Q. Closer and more similar ones are the same pole found twice; a narrow one on the flank of a
-/// broad one is another.
+/// Minimum distance of two poles of similar Q, in bandwidths of the broader one; closer ones are
+/// the same pole found twice.
 const MIN_DISTANCE_BANDWIDTHS: f32 = 0.25;
+/// Ratio of Q above which two poles are never the same: a narrow one on the flank of a broad one.
 const MAX_Q_RATIO: f32 = 2.0;
 
 /// Maximum distance of a neighbour, in bandwidths of the chosen resonance. A fine pass that leaves
