@@ -36,7 +36,7 @@ use crate::seam::block::{LATENCY_BLOCKS, SenseBlock};
 use crate::seam::config::{Config, TrackingMode};
 use crate::seam::fault::Fault;
 use crate::seam::phasor::magnitude;
-use crate::seam::transducer::{Deviations, MOST_MODES, Transducer};
+use crate::seam::transducer::{MOST_MODES, Transducer};
 use crate::sense::convert::Convert;
 use crate::sense::demod::Sensed;
 
@@ -337,11 +337,11 @@ impl Scan {
         let reach_hz = 0.5 * width_hz * (1.0 + MARGIN_REL);
         let own = |hz: f32| self.parts == 1 || (hz - middle_hz).abs() < reach_hz;
         let (circuit, deviations) = self.search.found();
-        let is_new = |(pole, _): &(&Pole, &Deviations)| own(pole.offset_hz) && !self.modes.contains(pole);
-        // Compared before any is added: two resonances of one part are distinct.
-        let new: Vec<(Pole, Deviations), MOST_MODES> =
-            circuit.poles.iter().zip(deviations).filter(is_new).map(|(pole, deviations)| (*pole, *deviations)).collect();
-        new.iter().for_each(|(pole, deviations)| self.modes.add(*pole, *deviations));
+        for (pole, deviations) in circuit.poles.iter().zip(deviations).filter(|(pole, _)| own(pole.offset_hz)) {
+            if self.parts == 1 || !self.modes.contains(pole) {
+                self.modes.add(*pole, *deviations);
+            }
+        }
     }
 
     /// Chooses the resonance, and starts the fine pass unless its deviation is already small

@@ -71,6 +71,7 @@ const REASONS: [(&str, &str); 23] = [
         "the two legs have the indices 0 and 1; a configuration with a chirp of no blocks is refused",
     ),
     ("sonoglide_firmware::find::scan::modes::Modes::add", "a place is one of the list, or its end"),
+    ("sonoglide_firmware::find::scan::modes::Modes::choose", "the list of deviations has room for all resonances"),
     ("sonoglide_firmware::find::scan::Scan::tune", "a pass has at least `FEWEST_BLOCKS` blocks"),
     ("sonoglide_firmware::controller::stages::scan", "places are below the length of the list, which was read just before"),
     ("sonoglide_firmware::controller::stages::clamped", "every tone has blocks"),

@@ -96,8 +96,8 @@ impl Modes {
         })
     }
 
-    /// Returns `true` if the list contains this resonance, as an earlier part of the window showed
-    /// it.
+    /// Returns `true` if the list contains this resonance: an earlier part of the window showed it,
+    /// or a fit has split it.
     pub(crate) fn contains(&self, pole: &Pole) -> bool {
         self.found.iter().any(|(other, _)| {
             let (least, most) = (smaller(other.q, pole.q), larger(other.q, pole.q));
