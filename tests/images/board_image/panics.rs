@@ -33,7 +33,7 @@ const PANIC_FUNCTIONS: [(&str, &str); 12] = [
 
 /// Functions, by the beginning of their names, and the reason why they never panic. The first match
 /// counts.
-const REASONS: [(&str, &str); 23] = [
+const REASONS: [(&str, &str); 24] = [
     (
         "sequential_storage::",
         "the geometry of the flash: words and pages have constant sizes, and lengths are checked before a buffer is cut; \
