@@ -12,10 +12,8 @@ use crate::seam::transducer::{Deviations, Listed, MOST_MODES, Resonance, Resonan
 /// Minimum distance of two poles of similar Q, in bandwidths of the broader one; closer ones are
 /// the same pole found twice.
 const MIN_DISTANCE_BANDWIDTHS: f32 = 0.25;
-/// Ratios of Q between which two poles are never the same: a narrow one on the flank of a broad
-/// one. Modes of one transducer differ by less; a far broader pole is what a fit makes of
-/// resonances outside of its part.
-const DISTINCT_Q_RATIO: core::ops::Range<f32> = 2.0..8.0;
+/// Ratio of Q above which two poles are never the same: a narrow one on the flank of a broad one.
+const MAX_Q_RATIO: f32 = 2.0;
 
 /// Maximum distance of a neighbour, in bandwidths of the chosen resonance. A fine pass that leaves
 /// it out cannot separate both.
@@ -103,9 +101,8 @@ impl Modes {
     pub(crate) fn contains(&self, pole: &Pole) -> bool {
         self.found.iter().any(|(other, _)| {
             let (least, most) = (smaller(other.q, pole.q), larger(other.q, pole.q));
-            let q = if most < DISTINCT_Q_RATIO.start * least { least } else { pole.q };
-            let apart_hz = MIN_DISTANCE_BANDWIDTHS * (self.nominal_hz + pole.offset_hz) / q;
-            (other.offset_hz - pole.offset_hz).abs() < apart_hz && !DISTINCT_Q_RATIO.contains(&(most / least))
+            let apart_hz = MIN_DISTANCE_BANDWIDTHS * (self.nominal_hz + pole.offset_hz) / least;
+            (other.offset_hz - pole.offset_hz).abs() < apart_hz && most < MAX_Q_RATIO * least
         })
     }
 
@@ -186,7 +183,7 @@ mod tests {
     #[test]
     fn a_narrow_resonance_on_the_flank_of_a_broad_one_is_another() {
         let [mut broad, narrow] = [pole(3000.0, 5.0), pole(0.0, 0.7)];
-        broad.q = 8.0;
+        broad.q = 6.0;
         for (first, second) in [(broad, narrow), (narrow, broad)] {
             let mut modes = Modes::new(101e3);
             modes.add(first, Deviations::default());
