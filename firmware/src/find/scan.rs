@@ -209,7 +209,7 @@ impl Scan {
     pub(crate) fn listen(&mut self, convert: &Convert, sense: &SenseBlock, sensed: &Sensed) -> Step {
         if self.waits {
             self.blocks += 1;
-            // The first blocks measured are those of the drive.
+            // The first blocks measured are those of the drive, and of its fade.
             let rings = magnitude(sensed.i) > self.calm_a && (self.blocks as f32) * self.block_s < MAX_WAIT_S;
             self.waits = self.blocks <= LEAD_BLOCKS || rings;
             self.blocks *= u32::from(self.waits);
