@@ -396,17 +396,17 @@ impl Scan {
     /// Accepts the fit of the fine pass.
     fn take_fit(&mut self) -> Step {
         let (circuit, deviations) = self.search.found();
-        match circuit.poles.first() {
-            Some(pole) if pole.offset_hz.abs() <= self.window_hz => match self.modes.refine(circuit, deviations, &self.choice) {
-                Ok(place) => self.take(place),
-                Err(fault) => Step::Failed(fault),
-            },
+        if circuit.poles.is_empty() {
             // The others may be too weak for a fit together.
-            None if !core::mem::replace(&mut self.alone, true) => {
-                self.begin(Stage::Fit);
-                self.tune()
+            if core::mem::replace(&mut self.alone, true) {
+                return Step::Failed(Fault::NoResonance);
             }
-            _ => Step::Failed(Fault::NoResonance),
+            self.begin(Stage::Fit);
+            return self.tune();
+        }
+        match self.modes.refine(circuit, deviations, &self.choice) {
+            Ok(place) => self.take(place),
+            Err(fault) => Step::Failed(fault),
         }
     }
 

@@ -35,14 +35,12 @@ impl Choice {
     /// Returns the index of the chosen resonance in the list, or the fault. `lm_deviations_h`:
     /// standard deviations of the inductances; zero if absent.
     pub(crate) fn choose(&self, found: &[Resonance], lm_deviations_h: &[f32]) -> Result<usize, Fault> {
-        let (centre_hz, half_hz) = self.window_hz;
-        let inside = |resonance: &Resonance| (resonance.hz - centre_hz).abs() <= half_hz;
-        let fits = |n, resonance: &Resonance| self.fits(resonance.lm_h, lm_deviations_h.get(n).copied().unwrap_or_default());
-        if !found.iter().any(inside) {
+        if !found.iter().any(|resonance| self.is_inside(resonance)) {
             return Err(Fault::NoResonance);
         }
         let (mut best, mut second) = ((None, 0.0), 0.0);
-        for (n, resonance) in found.iter().enumerate().filter(|(n, resonance)| inside(resonance) && fits(*n, resonance)) {
+        let deviation_h = |n| lm_deviations_h.get(n).copied().unwrap_or_default();
+        for (n, resonance) in found.iter().enumerate().filter(|(n, resonance)| self.fits(resonance, deviation_h(*n))) {
             let strength = 1.0 / (resonance.lm_h * resonance.hz * resonance.hz);
             if strength > best.1 {
                 (best, second) = ((Some(n), strength), best.1);
@@ -54,10 +52,18 @@ impl Choice {
         best.0.filter(|_| !ambiguous).ok_or(Fault::WrongMode)
     }
 
-    /// Returns `true` if an inductance with this standard deviation, H, fits the nominal one.
-    pub(crate) fn fits(&self, lm_h: f32, deviation_h: f32) -> bool {
+    fn is_inside(&self, resonance: &Resonance) -> bool {
+        let (centre_hz, half_hz) = self.window_hz;
+        (resonance.hz - centre_hz).abs() <= half_hz
+    }
+
+    /// Returns `true` if the resonance is inside the window and if its inductance, which has this
+    /// standard deviation, H, fits the nominal one.
+    pub(crate) fn fits(&self, resonance: &Resonance, deviation_h: f32) -> bool {
+        let lm_h = resonance.lm_h;
         let factor = LM_FACTOR * (1.0 + smaller(MARGIN_SIGMAS * deviation_h / lm_h, MAX_MARGIN_REL));
-        self.nominal_lm_h.is_none_or(|nominal| lm_h < nominal * factor && lm_h * factor > nominal)
+        let is_near = self.nominal_lm_h.is_none_or(|nominal| lm_h < nominal * factor && lm_h * factor > nominal);
+        is_near && self.is_inside(resonance)
     }
 }
 

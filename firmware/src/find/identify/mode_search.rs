@@ -2,10 +2,11 @@
 //!
 //! One more resonance is assumed at the line with the largest residual, and all resonances are
 //! fitted together. The fit is accepted if each resonance exceeds seven standard deviations and if
-//! the variance of the residual is halved, or if that falls to a twentieth. A first resonance may
-//! be weaker, because one alone does not explain several that overlap; it counts only if a second
-//! one is accepted. The search ends when the residual is within the noise of the converters, or
-//! with four resonances. Each block does as much work as its time permits.
+//! the variance of the residual is halved, or if that falls to a twentieth. While the residual
+//! shows more resonances, weaker ones are kept, because fewer do not explain several that overlap;
+//! they count only if a later fit is accepted. The search ends when the residual is within the
+//! noise of the converters, or with four resonances. Each block does as much work as its time
+//! permits.
 
 use heapless::Vec;
 
@@ -102,13 +103,33 @@ pub(crate) struct ModeSearch {
     /// Circuit of the present fit.
     fitted: Circuit,
     deviations: Vec<Deviations, MOST_MODES>,
+    /// The last accepted fit, and the variance of its residual, A^2.
     found: Circuit,
-    found_deviations: Vec<Deviations, MOST_MODES>,
     found_variance: f32,
-    /// `true` if the only resonance found is too weak by itself.
+    /// The last one without a weak resonance: the result.
+    certain: Found,
+    /// `true` if a resonance of the present fit is weak.
     is_tentative: bool,
     /// `true` while resonances are fitted that another spectrum has shown.
     refits: bool,
+}
+
+/// Result of a search.
+#[derive(Clone, Debug)]
+struct Found {
+    circuit: Circuit,
+    /// Standard deviations of its resonances.
+    deviations: Vec<Deviations, MOST_MODES>,
+    /// Variance of the residual, A^2.
+    variance: f32,
+}
+
+impl Found {
+    /// Creates a fit without resonances, of the clamped capacitance and the known poles of `circuit`.
+    fn none_of(circuit: &Circuit) -> Self {
+        let circuit = Circuit { poles: Vec::new(), ..circuit.clone() };
+        Found { circuit, deviations: Vec::new(), variance: f32::INFINITY }
+    }
 }
 
 /// Resolution of the converters, and the nominal quality factor.
@@ -136,8 +157,8 @@ impl ModeSearch {
             fitted: Circuit::default(),
             deviations: Vec::new(),
             found: Circuit::default(),
-            found_deviations: Vec::new(),
             found_variance: f32::INFINITY,
+            certain: Found::none_of(&Circuit::default()),
             is_tentative: false,
             refits: false,
         }
@@ -158,12 +179,9 @@ impl ModeSearch {
         self.tolerated = self.unexplained;
         self.most = MOST_MODES - found.known.len();
         self.begin(found, ITERATIONS);
-        self.found.clone_from(found);
-        self.found.poles.clear();
-        self.deviations.clear();
-        self.found_deviations.clear();
+        self.certain = Found::none_of(found);
+        self.found.clone_from(&self.certain.circuit);
         self.found_variance = f32::INFINITY;
-        self.is_tentative = false;
         self.refits = true;
     }
 
@@ -196,12 +214,12 @@ impl ModeSearch {
 
     /// Returns the circuit and the standard deviations of each of its resonances.
     pub(crate) fn found(&self) -> (&Circuit, &[Deviations]) {
-        (&self.found, &self.found_deviations)
+        (&self.certain.circuit, &self.certain.deviations)
     }
 
     /// Returns the quality of a lock on one of the resonances found, as far as the fit shows it.
     pub(crate) fn quality(&self, which: usize) -> LockQuality {
-        LockQuality::new(0.0, self.found.others_share(which), libm::sqrtf(self.found_variance / self.tolerated))
+        LockQuality::new(0.0, self.certain.circuit.others_share(which), libm::sqrtf(self.certain.variance / self.tolerated))
     }
 
     fn seek(&mut self, spectrum: &Spectrum, best: (f32, usize), sum: f32, largest: f32) {
@@ -220,15 +238,15 @@ impl ModeSearch {
         if self.found.poles.len() < self.most && shows {
             self.stage = Stage::Assume { line: best.1 };
         } else {
-            self.end();
+            self.stage = Stage::Done;
         }
     }
 
     fn assume(&mut self, spectrum: &Spectrum, line: usize) {
         let offset_hz = spectrum.offset_hz(line);
         // The nominal Q, or the Q of a resonance two lines wide if that is lower.
-        let q = self.nominal_q.min(0.5 * (self.found.nominal_hz + offset_hz) / spectrum.spacing_hz());
         let mut assumed = self.found.clone();
+        let q = self.nominal_q.min(0.5 * (assumed.nominal_hz + offset_hz) / spectrum.spacing_hz());
         // There is room: `seek` checked the count.
         let _ = assumed.poles.push(Pole { offset_hz, q, ..Pole::default() });
         self.begin(&assumed, ITERATIONS);
@@ -253,18 +271,24 @@ impl ModeSearch {
     fn decide(&mut self, iterations: u8) {
         let hopeless =
             iterations <= ITERATIONS - PATIENCE_ITERATIONS && self.fit.variance() > PATIENCE_VARIANCE_RATIO * self.found_variance;
-        let shows_more = self.fit.variance() > ROUGH_VARIANCE_RATIO * self.unexplained && self.found.poles.len() < self.most;
-        let tolerance = if shows_more { ROUGH_WIDTHS } else { CONVERGED_WIDTHS };
+        let tolerance = if self.shows_more(self.unexplained) { ROUGH_WIDTHS } else { CONVERGED_WIDTHS };
         match self.solution.take() {
-            None => self.end(),
-            Some(_) if hopeless => self.end(),
+            None => self.stage = Stage::Done,
+            Some(_) if hopeless => self.stage = Stage::Done,
             Some(Solution { circuit, moved }) if iterations > 1 && moved > tolerance => self.begin(&circuit, iterations - 1),
             Some(solution) => {
                 self.deviations.clear();
                 self.fitted = solution.circuit;
+                self.is_tentative = false;
                 self.stage = Stage::Deviate { next: 0 };
             }
         }
+    }
+
+    /// Returns `true` if the residual of the present fit is far above this variance, A^2, and there
+    /// may be one more resonance.
+    fn shows_more(&self, variance: f32) -> bool {
+        self.fit.variance() > ROUGH_VARIANCE_RATIO * variance && self.found.poles.len() < self.most
     }
 
     fn deviate(&mut self, next: usize, spectrum: &Spectrum) {
@@ -277,12 +301,12 @@ impl ModeSearch {
         let count = self.fitted.poles.len();
         let is_certain = self.refits || self.fit.variance() < CERTAIN_VARIANCE_RATIO * self.found_variance;
         let weak = MIN_STRENGTH_SIGMAS * deviations.lm_h > lm_h && !(count > 1 && is_certain) || self.is_turned(next);
-        if count > 1 && (weak || distance_hz > MAX_DISTANCE_HALF_SPANS * reach_hz) {
-            self.end();
+        self.is_tentative |= weak;
+        if count > 1 && (weak && !self.shows_more(self.tolerated) || distance_hz > MAX_DISTANCE_HALF_SPANS * reach_hz) {
+            self.stage = Stage::Done;
         } else if next + 1 < count {
             self.stage = Stage::Deviate { next: next + 1 };
         } else {
-            self.is_tentative |= weak;
             self.stage = Stage::Keep;
         }
     }
@@ -303,25 +327,17 @@ impl ModeSearch {
         let better = variance <= MAX_VARIANCE_RATIO * self.found_variance;
         if better {
             self.found.clone_from(&self.fitted);
-            self.found_deviations.clone_from(&self.deviations);
             self.found_variance = variance;
-            self.is_tentative &= self.found.poles.len() == 1;
+            if !self.is_tentative {
+                self.certain = Found { circuit: self.fitted.clone(), deviations: self.deviations.clone(), variance };
+            }
             self.refits = false;
             self.line = 0;
         }
         if better && self.found.poles.len() < self.most {
             self.stage = Stage::Seek { best: (0.0, 0), sum: 0.0, largest: 0.0 };
         } else {
-            self.end();
-        }
-    }
-
-    /// Ends the search.
-    fn end(&mut self) {
-        self.stage = Stage::Done;
-        if self.is_tentative {
-            self.found.poles.clear();
-            self.found_deviations.clear();
+            self.stage = Stage::Done;
         }
     }
 }

@@ -1,4 +1,4 @@
-//! Double-precision model of a transducer with up to two branches, for tests; exact, and
+//! Double-precision model of a transducer with up to three branches, for tests; exact, and
 //! independent of the code under test.
 
 use crate::seam::block::{DriveBlock, SenseBlock};
@@ -70,12 +70,12 @@ pub(crate) struct Bench {
     front_end: FrontEnd,
 }
 
-const STATES: usize = 6;
+const STATES: usize = 8;
 /// Averages per sample, so that the steps of the drive leave no images.
 const OVERSAMPLE: usize = 8;
 
 impl Bench {
-    /// Creates a model with one or two branches, and a front end whose current range fits them.
+    /// Creates a model with up to three branches, and a front end whose current range fits them.
     pub(crate) fn new(branches: &[Branch], c0_f: f64, seed: u64, front_end: FrontEnd) -> Self {
         let (corner, source_ohm) = (core::f64::consts::TAU * 200e3, 0.3);
         let mut a = [[0.0; STATES + 1]; STATES + 1];

@@ -128,14 +128,14 @@ impl Modes {
     }
 
     /// Replaces the chosen resonance, the first of a later fit, and all others of that fit. Returns
-    /// the index of the chosen one in that fit: another one if the inductance of the first no
-    /// longer fits, as the fit may exchange two of them.
+    /// the index of the chosen one in that fit: another one if the first no longer fits the choice,
+    /// as the fit may exchange two of them.
     pub(crate) fn refine(&mut self, fitted: &Circuit, deviations: &[Deviations], choice: &Choice) -> Result<usize, Fault> {
         self.found.retain(|(pole, _)| fitted.known.contains(pole));
         fitted.poles.iter().zip(deviations).for_each(|(pole, deviations)| self.add(*pole, *deviations));
         self.chosen = self.found.iter().position(|(pole, _)| fitted.poles.first() == Some(pole)).unwrap_or(0);
         let first = self.listed.get(self.chosen).zip(deviations.first());
-        if !first.is_none_or(|(one, off)| choice.fits(one.lm_h, off.lm_h)) {
+        if !first.is_some_and(|(one, off)| choice.fits(one, off.lm_h)) {
             self.choose(choice)?;
         }
         let chosen = self.chosen().map(|(pole, _)| pole);

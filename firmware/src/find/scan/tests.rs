@@ -219,6 +219,28 @@ fn a_mode_within_a_bandwidth_is_separated() {
     assert!(worst < 2e-3, "{worst}");
 }
 
+/// Three narrow modes: neither one nor two of them explain the spectrum, so that both fits are
+/// uncertain by themselves.
+#[test]
+fn three_narrow_modes_are_found_in_every_draw() {
+    let modes = [(64_752.0, 3372.0, 886.8e-6), (64_956.0, 14_541.0, 9.52e-3), (65_101.0, 4006.0, 5.884e-3)];
+    let case = Case {
+        branches: modes.iter().map(|&(hz, q, lm_h)| Branch { hz, q, lm_h }).collect(),
+        c0_f: 684e-9,
+        nominal_hz: 64_749.0,
+        nominal_q: 7466.0,
+        nominal_c0_f: 684e-9,
+        span: 0.01,
+        volts: 0.2,
+        ..stack(64_752.0, 3372.0)
+    };
+    for (seed, scanned) in (1..).zip(scans(&case, 16)) {
+        let found = scanned.found.unwrap_or_else(|fault| panic!("seed {seed}: {fault:?}")).0;
+        let off_hz = f64::from(found.series_resonance_hz) - 64_752.0;
+        assert!(off_hz.abs() < 0.1 && scanned.list.len() == 3, "seed {seed}: {off_hz} Hz, {:?}", scanned.list);
+    }
+}
+
 /// The error divided by the stated deviation has a standard deviation of one, within the scatter of
 /// 100 seeds.
 #[test]
