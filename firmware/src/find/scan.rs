@@ -56,6 +56,11 @@ const LEAD_BLOCKS: u32 = LATENCY_BLOCKS as u32 + 1;
 const CALM_REL: f32 = 0.2;
 /// Longest wait for that, s; a current that remains is none of a vibration.
 const MAX_WAIT_S: f32 = 0.5;
+/// Current above which the scan continues at a lower voltage, relative to the limit. The fit needs
+/// no constant voltage.
+const LOUD_REL: f32 = 0.9;
+/// The lower voltage, relative to the one before.
+const QUIETER_REL: f32 = 0.7;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Stage {
@@ -73,8 +78,13 @@ pub(crate) struct Scan {
     /// Circuit with only the nominal clamped capacitance.
     bare: Circuit,
     nominal_hz: f32,
+    /// Peak voltage at the start of a scan, V.
+    scan_volts: f32,
     /// Peak voltage of the drive, V.
     volts: f32,
+    /// Limit of the current, A, and the current above which the voltage falls.
+    limit_a: f32,
+    loud_a: f32,
     choice: Choice,
     /// Nominal Q for the damage check; set only for an observer with a nominal clamped capacitance.
     judged_q: Option<f32>,
@@ -102,8 +112,6 @@ pub(crate) struct Scan {
     alone: bool,
     /// Clamped capacitance from tones off resonance, F, to compare with that of the scan.
     off_resonance_c0_f: Option<f32>,
-    /// Current below which a stack that still rings leaves room for a tone of another frequency, A.
-    calm_a: f32,
     /// `true` while the vibration of a drive decays before the first sweep.
     waits: bool,
 }
@@ -132,7 +140,10 @@ impl Scan {
             search: ModeSearch::new(&nominal, bare.clone()),
             bare,
             nominal_hz,
+            scan_volts: config.drive.scan_volts,
             volts: config.drive.scan_volts,
+            limit_a: config.limits.current_a,
+            loud_a: LOUD_REL * config.limits.current_a,
             choice: Choice { window_hz: (nominal_hz, window_hz), nominal_lm_h: tracking.nominal_lm_h },
             judged_q: tracking.nominal_c0_f.filter(|_| tracking.mode == TrackingMode::Observer).map(|_| tracking.nominal_q),
             window_hz,
@@ -151,7 +162,6 @@ impl Scan {
             repeated: false,
             alone: false,
             off_resonance_c0_f: None,
-            calm_a: CALM_REL * config.limits.current_a,
             waits: false,
         }
     }
@@ -159,6 +169,7 @@ impl Scan {
     /// Restarts the scan with a sweep of the window.
     pub(crate) fn restart(&mut self) {
         (self.repeated, self.off_resonance_c0_f, self.waits) = (false, None, false);
+        (self.volts, self.loud_a) = (self.scan_volts, LOUD_REL * self.limit_a);
         self.begin_window();
     }
 
@@ -210,10 +221,14 @@ impl Scan {
         if self.waits {
             self.blocks += 1;
             // The first blocks measured are those of the drive, and of its fade.
-            let rings = magnitude(sensed.i) > self.calm_a && (self.blocks as f32) * self.block_s < MAX_WAIT_S;
+            let rings = magnitude(sensed.i) > CALM_REL * self.limit_a && (self.blocks as f32) * self.block_s < MAX_WAIT_S;
             self.waits = self.blocks <= LEAD_BLOCKS || rings;
             self.blocks *= u32::from(self.waits);
             return Step::Silence;
+        }
+        if magnitude(sensed.i) > self.loud_a {
+            self.volts *= QUIETER_REL;
+            self.loud_a = 0.5 * (self.loud_a + self.limit_a);
         }
         self.blocks += 1;
         self.still_blocks += 1;

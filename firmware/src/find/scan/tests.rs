@@ -53,6 +53,8 @@ struct Scanned {
     searched_s: f32,
     /// Chosen resonance at that time.
     first: Option<Transducer>,
+    /// Largest current measured, A.
+    loudest_a: f32,
 }
 
 fn config(case: &Case) -> Config {
@@ -94,10 +96,16 @@ fn scan(case: &Case, seed: u64) -> Scanned {
     let silence = (Stretch { word: hold.word(), ..Stretch::default() }, DriveBlock::silent(1, SAMPLES, 2048));
     let mut playing = [silence.clone(), silence];
     let mut sense = SenseBlock::default();
-    let mut result = Scanned { found: Err(Fault::EmergencyStop), list: Resonances::new(), searched_s: 0.0, first: None };
+    let mut result =
+        Scanned { found: Err(Fault::EmergencyStop), list: Resonances::new(), searched_s: 0.0, first: None, loudest_a: 0.0 };
+    let mut volts = case.volts;
     for block in 0..40_000 {
         let slot = block % LATENCY_BLOCKS;
         bench.exchange(&playing[slot].1, &mut sense);
+        let codes = sense.i.iter().map(|code| code.abs_diff(2048)).max().unwrap_or(0);
+        // This bench, unlike the generator, begins with a jump.
+        let amperes = if block < 8 { 0.0 } else { f32::from(codes) * case.front_end.ampere_per_lsb };
+        result.loudest_a = result.loudest_a.max(amperes);
         let sensed = demodulate(&convert, &sense, &playing[slot].0).0;
         let before = scan.stage;
         let step = scan.listen(&convert, &sense, &sensed);
@@ -111,7 +119,8 @@ fn scan(case: &Case, seed: u64) -> Scanned {
             }
         }
         let done = match step {
-            Step::Tone { offset_hz, .. } => {
+            Step::Tone { offset_hz, volts: tone_volts, .. } => {
+                volts = tone_volts;
                 hold.retune(offset_hz);
                 false
             }
@@ -130,7 +139,7 @@ fn scan(case: &Case, seed: u64) -> Scanned {
         }
         let stretch = nco.advance((hold.word(), 0), SAMPLES);
         let code = |n: usize| {
-            let volts = case.volts * sine::rotation(stretch.phase_at(n)).re;
+            let volts = volts * sine::rotation(stretch.phase_at(n)).re;
             (2048.5 + volts / case.front_end.drive_volt_per_lsb) as u16
         };
         playing[slot] = (stretch, DriveBlock::silent(1, SAMPLES, 0));
@@ -336,6 +345,22 @@ fn a_wide_window_is_searched_part_by_part() {
         assert_eq!(got.list.len(), 1, "{hz} Hz: {:?}", got.list);
         let off_hz = f64::from(got.found.expect("a resonance").0.series_resonance_hz) - hz;
         assert!(off_hz.abs() < 0.3, "{hz} Hz: {off_hz}");
+    }
+}
+
+/// A scan whose full voltage would drive 1.1 of the limit of 4 A at the resonance, and its result
+/// at lower voltages.
+#[test]
+fn the_voltage_falls_before_the_current_reaches_its_limit() {
+    for q in [40.0, 65.0, 200.0, 800.0] {
+        let (case, seed) = (stack(40_100.0, q), 3);
+        let rm_ohm = case.branches[0].rm_ohm() as f32;
+        let front_end = FrontEnd { ampere_per_lsb: 8.0 / 2048.0, ..front_end() };
+        let got = scan(&Case { volts: 1.1 * 4.0 * (rm_ohm + 0.3), front_end, ..case }, seed);
+        let found = got.found.unwrap_or_else(|fault| panic!("Q {q}: {fault:?}")).0;
+        let off_hz = found.series_resonance_hz - 40_100.0;
+        std::println!("Q {q}: {} A, {off_hz} Hz, Q {}", got.loudest_a, found.q);
+        assert!(got.loudest_a < 4.0 && off_hz.abs() < 1.0 && (f64::from(found.q) / q - 1.0).abs() < 4e-3, "Q {q}: {found:?}");
     }
 }
 
