@@ -125,7 +125,7 @@ struct Found {
 }
 
 impl Found {
-    /// Creates a fit without resonances, of the clamped capacitance and the known poles of `circuit`.
+    /// Creates a result without resonances: only the clamped capacitance and the known poles.
     fn none_of(circuit: &Circuit) -> Self {
         let circuit = Circuit { poles: Vec::new(), ..circuit.clone() };
         Found { circuit, deviations: Vec::new(), variance: f32::INFINITY }

@@ -33,6 +33,7 @@ use clap::Args;
 use firmware::board::command::Command;
 use firmware::seam::block::Gate;
 use firmware::seam::mode::Mode as BoardMode;
+use firmware::seam::transducer::Transducer;
 use firmware::seam::units::Hertz;
 
 use self::band::Band;
@@ -220,13 +221,15 @@ fn commission(args: &CommissionArgs, board: &mut BoardSettings, session: &mut Se
     let transducer = modes[chosen].transducer;
     session.live.stage(&format!("admittance circle at {:.0} Hz", modes[chosen].hz()));
     let by_number = args.mode.is_some();
+    let others: Vec<Mode> = modes.iter().enumerate().filter(|(place, _)| *place != chosen).map(|(_, mode)| *mode).collect();
+    let known: Vec<Transducer> = others.iter().map(|mode| mode.transducer).collect();
     let mut circle = circle::measured(&transducer, &bounds, board, session)?;
-    let resolved = match neighbours::resolve(&circle.points, &transducer, by_number) {
+    let resolved = match neighbours::resolve(&circle.points, &transducer, &known, by_number) {
         Ok(resolved) => resolved,
         // In one of some hundred circles the noise resembles a neighbour; not in two.
         Err(_) => {
             circle.points.extend(circle::measured(&transducer, &bounds, board, session)?.points);
-            neighbours::resolve(&circle.points, &transducer, by_number)?
+            neighbours::resolve(&circle.points, &transducer, &known, by_number)?
         }
     };
     let measured = Proposal::new(&resolved.transducer, &bounds)
@@ -235,7 +238,6 @@ fn commission(args: &CommissionArgs, board: &mut BoardSettings, session: &mut Se
     let (mut proposal, verified) = passing_proposal(&measured, &bounds, board, session)?;
     let thermal = args.heating.map(|time_s| heating::measure(time_s, &proposal, board, session)).transpose()?;
     proposal.limits = (bounds.given_v, bounds.given_a);
-    let others: Vec<Mode> = modes.iter().enumerate().filter(|(place, _)| *place != chosen).map(|(_, mode)| *mode).collect();
     let twin = twin::toml(&args.name, &proposal, &others, &scale, &session.identity.converters);
     session.live.stage("rehearsal on the twin");
     let loaded = twin::load(&args.name, &twin)?;

@@ -31,29 +31,29 @@ const MAX_MEAN_SQUARE: f64 = 16.0;
 const MAX_RESONANCES: usize = 3;
 
 /// Returns the circuit with the fewest resonances that explains the points. Its first resonance was
-/// fitted from `start`. Returns `None` if there are too few points.
-fn circuit(points: &[Point], start: Branch) -> Option<Fit> {
+/// fitted from `start`; the scans have shown the `known` ones. Returns `None` if there are too few
+/// points.
+fn circuit(points: &[Point], start: Branch, known: &[Branch]) -> Option<Fit> {
     let mut best = fit(points, &[start])?;
     while best.resonances.len() < MAX_RESONANCES {
-        let Some(more) = with_one_more(points, &best).filter(|more| is_significant(&best, more)) else { break };
+        let Some(more) = with_one_more(points, &best, known).filter(|more| is_significant(&best, more)) else { break };
         best = more;
     }
     Some(best)
 }
 
 /// Returns the best fit with one more resonance.
-fn with_one_more(points: &[Point], of: &Fit) -> Option<Fit> {
+fn with_one_more(points: &[Point], of: &Fit, known: &[Branch]) -> Option<Fit> {
     let first = of.resonances.first()?;
     let width_hz = first.hz / first.q;
     let starts = START_DISTANCES.iter().flat_map(|distance| START_Q_RATIOS.iter().map(move |quality| (distance, quality)));
-    let fits = starts.filter_map(|(distance, quality)| {
-        let further = Branch {
-            hz: first.hz + distance * width_hz,
-            q: (first.q * quality).max(1.0),
-            siemens: START_CONDUCTANCE_REL * first.siemens,
-        };
-        fit(points, &[of.resonances.as_slice(), &[further]].concat())
+    let near = starts.map(|(distance, quality)| Branch {
+        hz: first.hz + distance * width_hz,
+        q: (first.q * quality).max(1.0),
+        siemens: START_CONDUCTANCE_REL * first.siemens,
     });
+    let fits =
+        near.chain(known.iter().copied()).filter_map(|further| fit(points, &[of.resonances.as_slice(), &[further]].concat()));
     fits.filter(is_determined).min_by(|a, b| a.squares.total_cmp(&b.squares))
 }
 
@@ -82,13 +82,17 @@ pub struct Resolved {
     pub distance: f64,
 }
 
-/// Returns the resonance of a circle. Fails if the circle does not determine it.
-pub fn resolve(points: &[Point], of: &Transducer, by_number: bool) -> Result<Resolved, LinkError> {
+/// Returns the resonance of a circle. `others`: the other modes that the scans have shown. Fails if
+/// the circle does not determine it.
+pub fn resolve(points: &[Point], of: &Transducer, others: &[Transducer], by_number: bool) -> Result<Resolved, LinkError> {
     let (hz, bound_hz) = (f64::from(of.series_resonance_hz), bound_hz(of));
-    let start = Branch { hz, q: of.q.into(), siemens: 1.0 / f64::from(of.rm_ohm) };
+    let branch =
+        |of: &Transducer| Branch { hz: of.series_resonance_hz.into(), q: of.q.into(), siemens: 1.0 / f64::from(of.rm_ohm) };
+    let known: Vec<Branch> = others.iter().map(branch).collect();
     let refused =
         |why: String| LinkError::Failed(format!("a resonance was identified at {hz:.2} Hz, but it is not alone: {why}"));
-    let circuit = circuit(points, start).ok_or_else(|| refused("the admittance around it cannot be fitted".into()))?;
+    let circuit =
+        circuit(points, branch(of), &known).ok_or_else(|| refused("the admittance around it cannot be fitted".into()))?;
     let distance = circuit.distance(points) / circuit.resonances[0].siemens;
     if circuit.mean_square() > MAX_MEAN_SQUARE {
         return Err(refused(format!(
@@ -184,7 +188,7 @@ mod tests {
     #[test]
     fn a_single_resonance_keeps_its_identified_values() {
         let of = identified(1.0);
-        let resolved = resolve(&points(&[]), &of, false).unwrap();
+        let resolved = resolve(&points(&[]), &of, &[], false).unwrap();
         assert_eq!((resolved.transducer, resolved.resonances), (of, 1));
         assert!(resolved.distance < 2e-4, "{resolved:?}");
     }
@@ -193,7 +197,7 @@ mod tests {
     fn a_neighbour_within_a_bandwidth_is_separated() {
         for hz in [40.4e3, 40.8e3, 39.4e3] {
             let neighbour = Branch { hz, q: 70.0, siemens: 0.06 };
-            let resolved = resolve(&points(&[neighbour]), &identified(60.0), false).unwrap();
+            let resolved = resolve(&points(&[neighbour]), &identified(60.0), &[], false).unwrap();
             assert_eq!(resolved.resonances, 2, "{hz}");
             let it = resolved.transducer;
             assert!((f64::from(it.series_resonance_hz) - MAIN.hz).abs() < 4.0, "{hz}: {it:?}");
@@ -204,7 +208,7 @@ mod tests {
     #[test]
     fn an_ambiguous_circle_is_refused_with_the_reason() {
         let similar = Branch { hz: 40.6e3, q: 50.0, siemens: 0.27 };
-        let error = |points: &[Point]| resolve(points, &identified(0.0), false).unwrap_err().to_string();
+        let error = |points: &[Point]| resolve(points, &identified(0.0), &[], false).unwrap_err().to_string();
         assert!(error(&points(&[similar])).contains("of its strength is at"), "{}", error(&points(&[similar])));
         let mut crooked = points(&[]);
         crooked.iter_mut().step_by(3).for_each(|point| point.siemens *= 1.02);
