@@ -72,37 +72,40 @@ enum Stage {
     RingDown(RingDown),
 }
 
-/// Scan in progress.
+/// Scan in progress. Small parts that every block reads come first.
 #[derive(Clone, Debug)]
+#[repr(C)]
 pub(crate) struct Scan {
-    /// Circuit with only the nominal clamped capacitance.
-    bare: Circuit,
-    nominal_hz: f32,
-    /// Peak voltage at the start of a scan, V.
-    scan_volts: f32,
+    stage: Stage,
+    /// Blocks in this stage.
+    blocks: u32,
+    /// Blocks since the last sweep ended.
+    still_blocks: u32,
+    pass: Pass,
     /// Peak voltage of the drive, V.
     volts: f32,
     /// Limit of the current, A, and the current above which the voltage falls.
     limit_a: f32,
     loud_a: f32,
+    nominal_hz: f32,
+    block_s: f32,
+    block_samples: u32,
+    /// `true` while the vibration of a drive decays before the first sweep.
+    waits: bool,
+    baseband: Baseband,
+    spectrum: Spectrum,
+    hold: Hold,
+    modes: Modes,
+    search: ModeSearch,
+    /// Circuit with only the nominal clamped capacitance.
+    bare: Circuit,
+    /// Peak voltage at the start of a scan, V.
+    scan_volts: f32,
     choice: Choice,
     /// Nominal Q for the damage check; set only for an observer with a nominal clamped capacitance.
     judged_q: Option<f32>,
     window_hz: f32,
     parts: u32,
-    block_s: f32,
-    block_samples: u32,
-    hold: Hold,
-    stage: Stage,
-    pass: Pass,
-    /// Blocks in this stage.
-    blocks: u32,
-    /// Blocks since the last sweep ended.
-    still_blocks: u32,
-    baseband: Baseband,
-    spectrum: Spectrum,
-    search: ModeSearch,
-    modes: Modes,
     /// `true` if the window is swept a second time when nothing is found. An observer does not
     /// repeat the scan.
     repeats: bool,
@@ -112,8 +115,6 @@ pub(crate) struct Scan {
     alone: bool,
     /// Clamped capacitance from tones off resonance, F, to compare with that of the scan.
     off_resonance_c0_f: Option<f32>,
-    /// `true` while the vibration of a drive decays before the first sweep.
-    waits: bool,
 }
 
 impl Scan {
@@ -226,7 +227,8 @@ impl Scan {
             self.blocks *= u32::from(self.waits);
             return Step::Silence;
         }
-        if magnitude(sensed.i) > self.loud_a {
+        // Squares are compared, because a square root takes a hundred instructions.
+        if sensed.i.norm_sqr() > self.loud_a * self.loud_a {
             self.volts *= QUIETER_REL;
             self.loud_a = 0.5 * (self.loud_a + self.limit_a);
         }
