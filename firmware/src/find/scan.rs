@@ -227,11 +227,6 @@ impl Scan {
             self.blocks *= u32::from(self.waits);
             return Step::Silence;
         }
-        // Squares are compared, because a square root takes a hundred instructions.
-        if sensed.i.norm_sqr() > self.loud_a * self.loud_a {
-            self.volts *= QUIETER_REL;
-            self.loud_a = 0.5 * (self.loud_a + self.limit_a);
-        }
         self.blocks += 1;
         self.still_blocks += 1;
         match self.stage {
@@ -242,12 +237,14 @@ impl Scan {
                     let most = if self.parts > 1 { MOST_OF_A_PART } else { MOST_MODES };
                     self.search.restart(&self.bare, most, blocks, samples);
                 }
-                if self.sweep(convert, sense) {
-                    self.begin(Stage::Search(part));
+                if let Some(tone) = self.sweep(convert, sense, sensed) {
+                    return tone;
                 }
+                self.begin(Stage::Search(part));
                 self.tune()
             }
             Stage::Search(part) => {
+                self.spare(sensed);
                 // The result is processed in a block of its own.
                 if !self.search.is_over() {
                     self.search.step(&self.spectrum);
@@ -261,12 +258,14 @@ impl Scan {
                 self.choose()
             }
             Stage::Fine => {
-                if self.sweep(convert, sense) {
-                    self.begin(Stage::Fit);
+                if let Some(tone) = self.sweep(convert, sense, sensed) {
+                    return tone;
                 }
+                self.begin(Stage::Fit);
                 self.tune()
             }
             Stage::Fit => {
+                self.spare(sensed);
                 // The last block of the sweep had no spare time.
                 if self.blocks == 1 {
                     self.begin_fit();
@@ -278,6 +277,7 @@ impl Scan {
                 self.tune()
             }
             Stage::RingDown(_) => {
+                self.spare(sensed);
                 let relative = 1.0 + self.resonance_hz() / self.nominal_hz;
                 if let Stage::RingDown(result) = &mut self.stage {
                     if self.blocks == 1 {
@@ -331,8 +331,19 @@ impl Scan {
         self.modes.chosen().map_or(0.0, |(pole, _)| pole.offset_hz)
     }
 
-    /// Processes a block of a sweep. Returns `true` if it was the last.
-    fn sweep(&mut self, convert: &Convert, sense: &SenseBlock) -> bool {
+    /// Lowers the voltage if the current comes near its limit.
+    #[inline(always)]
+    fn spare(&mut self, sensed: &Sensed) {
+        // Squares are compared, because a square root takes a hundred instructions.
+        if sensed.i.norm_sqr() > self.loud_a * self.loud_a {
+            self.volts *= QUIETER_REL;
+            self.loud_a = 0.5 * (self.loud_a + self.limit_a);
+        }
+    }
+
+    /// Processes a block of a sweep. Returns the next tone, or `None` after the last block.
+    fn sweep(&mut self, convert: &Convert, sense: &SenseBlock, sensed: &Sensed) -> Option<Step> {
+        self.spare(sensed);
         if self.blocks + 1 == LEAD_BLOCKS {
             self.baseband.prepare(self.block_samples as usize, convert.v.max_code());
         }
@@ -343,7 +354,10 @@ impl Scan {
             }
         }
         self.still_blocks = 0;
-        self.blocks == LEAD_BLOCKS + self.pass.blocks()
+        if self.blocks == LEAD_BLOCKS + self.pass.blocks() {
+            return None;
+        }
+        Some(Step::Tone { offset_hz: self.pass.offset_hz(self.blocks), volts: self.volts, lane: 0 })
     }
 
     /// Lists the resonances in a part of the window by rising frequency; the weakest are dropped.
