@@ -33,7 +33,7 @@ const PANIC_FUNCTIONS: [(&str, &str); 12] = [
 
 /// Functions, by the beginning of their names, and the reason why they never panic. The first match
 /// counts.
-const REASONS: [(&str, &str); 24] = [
+const REASONS: [(&str, &str); 23] = [
     (
         "sequential_storage::",
         "the geometry of the flash: words and pages have constant sizes, and lengths are checked before a buffer is cut; \
@@ -72,8 +72,7 @@ const REASONS: [(&str, &str); 24] = [
     ),
     ("sonoglide_firmware::find::scan::modes::Modes::add", "a place is one of the list, or its end"),
     ("sonoglide_firmware::find::scan::modes::Modes::choose", "the list of deviations has room for all resonances"),
-    ("sonoglide_firmware::find::scan::Scan::tune", "a pass has at least `FEWEST_BLOCKS` blocks"),
-    ("sonoglide_firmware::controller::stages::scan", "places are below the length of the list, which was read just before"),
+    ("sonoglide_firmware::find::scan::pass::Pass::offset_hz", "a pass has at least `FEWEST_BLOCKS` blocks"),
     ("sonoglide_firmware::controller::stages::clamped", "every tone has blocks"),
 ];
 
