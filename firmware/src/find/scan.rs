@@ -56,8 +56,8 @@ const LEAD_BLOCKS: u32 = LATENCY_BLOCKS as u32 + 1;
 const CALM_REL: f32 = 0.2;
 /// Longest wait for that, s; a current that remains is none of a vibration.
 const MAX_WAIT_S: f32 = 0.5;
-/// Current above which the scan continues at a lower voltage, relative to the limit. The fit needs
-/// no constant voltage.
+/// Current above which the scan continues at a lower voltage, relative to the limit. The fit does
+/// not require a constant voltage.
 const LOUD_REL: f32 = 0.9;
 /// The lower voltage, relative to the one before.
 const QUIETER_REL: f32 = 0.7;
@@ -84,8 +84,9 @@ pub(crate) struct Scan {
     pass: Pass,
     /// Peak voltage of the drive, V.
     volts: f32,
-    /// Limit of the current, A, and the current above which the voltage falls.
+    /// Limit of the current, A.
     limit_a: f32,
+    /// Current above which the voltage falls, A.
     loud_a: f32,
     nominal_hz: f32,
     block_s: f32,
@@ -244,7 +245,7 @@ impl Scan {
                 self.tune()
             }
             Stage::Search(part) => {
-                self.spare(sensed);
+                self.reduce_voltage(sensed);
                 // The result is processed in a block of its own.
                 if !self.search.is_over() {
                     self.search.step(&self.spectrum);
@@ -265,7 +266,7 @@ impl Scan {
                 self.tune()
             }
             Stage::Fit => {
-                self.spare(sensed);
+                self.reduce_voltage(sensed);
                 // The last block of the sweep had no spare time.
                 if self.blocks == 1 {
                     self.begin_fit();
@@ -277,7 +278,7 @@ impl Scan {
                 self.tune()
             }
             Stage::RingDown(_) => {
-                self.spare(sensed);
+                self.reduce_voltage(sensed);
                 let relative = 1.0 + self.resonance_hz() / self.nominal_hz;
                 if let Stage::RingDown(result) = &mut self.stage {
                     if self.blocks == 1 {
@@ -333,7 +334,7 @@ impl Scan {
 
     /// Lowers the voltage if the current comes near its limit.
     #[inline(always)]
-    fn spare(&mut self, sensed: &Sensed) {
+    fn reduce_voltage(&mut self, sensed: &Sensed) {
         // Squares are compared, because a square root takes a hundred instructions.
         if sensed.i.norm_sqr() > self.loud_a * self.loud_a {
             self.volts *= QUIETER_REL;
@@ -343,7 +344,7 @@ impl Scan {
 
     /// Processes a block of a sweep. Returns the next tone, or `None` after the last block.
     fn sweep(&mut self, convert: &Convert, sense: &SenseBlock, sensed: &Sensed) -> Option<Step> {
-        self.spare(sensed);
+        self.reduce_voltage(sensed);
         if self.blocks + 1 == LEAD_BLOCKS {
             self.baseband.prepare(self.block_samples as usize, convert.v.max_code());
         }
@@ -357,6 +358,7 @@ impl Scan {
         if self.blocks == LEAD_BLOCKS + self.pass.blocks() {
             return None;
         }
+        // Not by `tune`, which is not in the fast memory of a board.
         Some(Step::Tone { offset_hz: self.pass.offset_hz(self.blocks), volts: self.volts, lane: 0 })
     }
 

@@ -62,8 +62,8 @@ impl Choice {
     pub(crate) fn fits(&self, resonance: &Resonance, deviation_h: f32) -> bool {
         let lm_h = resonance.lm_h;
         let factor = LM_FACTOR * (1.0 + smaller(MARGIN_SIGMAS * deviation_h / lm_h, MAX_MARGIN_REL));
-        let is_near = self.nominal_lm_h.is_none_or(|nominal| lm_h < nominal * factor && lm_h * factor > nominal);
-        is_near && self.is_inside(resonance)
+        let has_inductance = self.nominal_lm_h.is_none_or(|nominal| lm_h < nominal * factor && lm_h * factor > nominal);
+        has_inductance && self.is_inside(resonance)
     }
 }
 

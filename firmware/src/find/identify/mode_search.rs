@@ -2,11 +2,11 @@
 //!
 //! One more resonance is assumed at the line with the largest residual, and all resonances are
 //! fitted together. The fit is accepted if each resonance exceeds seven standard deviations and if
-//! the variance of the residual is halved, or if that falls to a twentieth. While the residual
-//! shows more resonances, weaker ones are kept, because fewer do not explain several that overlap;
-//! they count only if a later fit is accepted. The search ends when the residual is within the
-//! noise of the converters, or with four resonances. Each block does as much work as its time
-//! permits.
+//! the variance of the residual is halved, or if that falls to a twentieth. Fewer resonances do not
+//! explain several that overlap: a fit with a weak one is therefore kept as a start while its
+//! residual is more than ten times the expected one. The result is the last fit without a weak
+//! resonance. The search ends when the residual is within the noise of the converters, or with four
+//! resonances. Each block does as much work as its time permits.
 
 use heapless::Vec;
 
@@ -103,13 +103,13 @@ pub(crate) struct ModeSearch {
     /// Circuit of the present fit.
     fitted: Circuit,
     deviations: Vec<Deviations, MOST_MODES>,
-    /// The last accepted fit, and the variance of its residual, A^2.
+    /// Last fit kept, and the variance of its residual, A^2.
     found: Circuit,
     found_variance: f32,
-    /// The last one without a weak resonance: the result.
+    /// Last fit kept without a weak resonance: the result.
     certain: Found,
     /// `true` if a resonance of the present fit is weak.
-    is_tentative: bool,
+    has_weak: bool,
     /// `true` while resonances are fitted that another spectrum has shown.
     refits: bool,
 }
@@ -159,7 +159,7 @@ impl ModeSearch {
             found: Circuit::default(),
             found_variance: f32::INFINITY,
             certain: Found::none_of(&Circuit::default()),
-            is_tentative: false,
+            has_weak: false,
             refits: false,
         }
     }
@@ -279,14 +279,14 @@ impl ModeSearch {
             Some(solution) => {
                 self.deviations.clear();
                 self.fitted = solution.circuit;
-                self.is_tentative = false;
+                self.has_weak = false;
                 self.stage = Stage::Deviate { next: 0 };
             }
         }
     }
 
-    /// Returns `true` if the residual of the present fit is far above this variance, A^2, and there
-    /// may be one more resonance.
+    /// Returns `true` if the residual of the present fit is far above this variance, A^2, so that
+    /// there may be one more resonance.
     fn shows_more(&self, variance: f32) -> bool {
         self.fit.variance() > ROUGH_VARIANCE_RATIO * variance && self.found.poles.len() < self.most
     }
@@ -301,7 +301,7 @@ impl ModeSearch {
         let count = self.fitted.poles.len();
         let is_certain = self.refits || self.fit.variance() < CERTAIN_VARIANCE_RATIO * self.found_variance;
         let weak = MIN_STRENGTH_SIGMAS * deviations.lm_h > lm_h && !(count > 1 && is_certain) || self.is_turned(next);
-        self.is_tentative |= weak;
+        self.has_weak |= weak;
         if count > 1 && (weak && !self.shows_more(self.tolerated) || distance_hz > MAX_DISTANCE_HALF_SPANS * reach_hz) {
             self.stage = Stage::Done;
         } else if next + 1 < count {
@@ -328,7 +328,7 @@ impl ModeSearch {
         if better {
             self.found.clone_from(&self.fitted);
             self.found_variance = variance;
-            if !self.is_tentative {
+            if !self.has_weak {
                 self.certain = Found { circuit: self.fitted.clone(), deviations: self.deviations.clone(), variance };
             }
             self.refits = false;

@@ -348,8 +348,7 @@ fn a_wide_window_is_searched_part_by_part() {
     }
 }
 
-/// A scan whose full voltage would drive 1.1 of the limit of 4 A at the resonance, and its result
-/// at lower voltages.
+/// At full voltage, the current at the resonance would be 1.1 times the limit of 4 A.
 #[test]
 fn the_voltage_falls_before_the_current_reaches_its_limit() {
     for q in [40.0, 65.0, 200.0, 800.0] {

@@ -18,6 +18,8 @@ const START_DISTANCES: [f64; 8] = [0.2, 0.5, 1.0, 2.0, -0.2, -0.5, -1.0, -2.0];
 const START_Q_RATIOS: [f64; 3] = [0.3, 1.0, 3.0];
 /// Starting conductance of a further resonance, relative to the first one.
 const START_CONDUCTANCE_REL: f64 = 0.1;
+/// Largest distance of another mode that the circle can show, in distances of its last point.
+const REACH_RADII: f64 = 2.0;
 /// Smallest F ratio of a further resonance: reduction of the sum of squares per parameter, relative
 /// to the mean square.
 const MIN_F_RATIO: f64 = 6.0;
@@ -88,7 +90,8 @@ pub fn resolve(points: &[Point], of: &Transducer, others: &[Transducer], by_numb
     let (hz, bound_hz) = (f64::from(of.series_resonance_hz), bound_hz(of));
     let branch =
         |of: &Transducer| Branch { hz: of.series_resonance_hz.into(), q: of.q.into(), siemens: 1.0 / f64::from(of.rm_ohm) };
-    let known: Vec<Branch> = others.iter().map(branch).collect();
+    let reach_hz = REACH_RADII * points.iter().map(|point| (point.hz - hz).abs()).fold(0.0, f64::max);
+    let known: Vec<Branch> = others.iter().map(branch).filter(|it| (it.hz - hz).abs() < reach_hz).collect();
     let refused =
         |why: String| LinkError::Failed(format!("a resonance was identified at {hz:.2} Hz, but it is not alone: {why}"));
     let circuit =
@@ -203,6 +206,23 @@ mod tests {
             assert!((f64::from(it.series_resonance_hz) - MAIN.hz).abs() < 4.0, "{hz}: {it:?}");
             assert!((f64::from(it.cm_f) / MAIN.cm_f() - 1.0).abs() < 0.03, "{hz}: {it:?}");
         }
+    }
+
+    /// A strong mode beyond the points bends their circle; no start near the first one leads to it.
+    #[test]
+    fn a_known_mode_beyond_the_circle_is_fitted_with_it() {
+        let far = Branch { hz: 37.2e3, q: 80.0, siemens: 0.2 };
+        let of = |it: Branch| Transducer {
+            series_resonance_hz: it.hz as f32,
+            q: it.q as f32,
+            rm_ohm: it.rm_ohm() as f32,
+            ..identified(0.0)
+        };
+        let points = points(&[far]);
+        assert!(resolve(&points, &identified(0.0), &[], false).is_err());
+        let resolved = resolve(&points, &identified(0.0), &[of(far)], false).unwrap();
+        assert_eq!(resolved.resonances, 2);
+        assert!((f64::from(resolved.transducer.series_resonance_hz) - MAIN.hz).abs() < 1.0, "{resolved:?}");
     }
 
     #[test]
