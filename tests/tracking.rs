@@ -77,6 +77,30 @@ fn a_run_can_follow_a_run_immediately() {
     }
 }
 
+/// The drive of a scan without a resonance fades before the fault: an end at once would draw a peak
+/// of current into the clamped capacitance.
+#[test]
+fn a_scan_without_a_resonance_ends_without_a_peak_of_current() {
+    // The drive may end at any phase.
+    for (n, request) in (0..12).zip([Request::Run, Request::Scan].into_iter().cycle()) {
+        let hz = format!("controller.drive.frequency_hz={}", 40_000 + 37 * n);
+        let mut rig = Rig::new("lock", &["stack.bvd.series_resonance_hz=60000", "controller.tracking.mode=phase_lock", &hz]);
+        rig.order(request);
+        let mut peaks = Vec::new();
+        let mut block = |rig: &mut Rig| {
+            rig.clock.tick(|sense, drive| {
+                peaks.push(sense.i.iter().map(|code| code.abs_diff(2048)).max());
+                rig.controller.process(&rig.orders, sense, drive)
+            })
+        };
+        let fault = (0..20_000).find_map(|_| block(&mut rig).fault);
+        (0..5).for_each(|_| _ = block(&mut rig));
+        let (before, end) = peaks.split_at(peaks.len() - 10);
+        assert_eq!(fault, Some(Fault::NoResonance));
+        assert!(end.iter().max() <= before[before.len() - 100..].iter().max(), "{request:?} {n}: {end:?}");
+    }
+}
+
 /// An amplitude set point that changes in each block, down to zero and back, is restored: no fault,
 /// no silence.
 #[test]

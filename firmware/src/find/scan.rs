@@ -70,6 +70,8 @@ enum Stage {
     Fine,
     Fit,
     RingDown(RingDown),
+    /// Silence before this fault.
+    Failed(Fault),
 }
 
 /// Scan in progress. Small parts that every block reads come first.
@@ -171,7 +173,7 @@ impl Scan {
     /// Restarts the scan with a sweep of the window.
     pub(crate) fn restart(&mut self) {
         (self.repeated, self.off_resonance_c0_f, self.waits) = (false, None, false);
-        (self.volts, self.loud_a) = (self.scan_volts, LOUD_REL * self.limit_a);
+        self.volts = self.scan_volts;
         self.begin_window();
     }
 
@@ -290,7 +292,23 @@ impl Scan {
                 }
                 self.tune()
             }
+            Stage::Failed(fault) if self.blocks > LATENCY_BLOCKS as u32 => Step::Failed(fault),
+            Stage::Failed(_) => Step::Silence,
         }
+    }
+
+    /// Fails after a silence in which the queued blocks of the drive have been played, the last of
+    /// which fades: a fault ends the drive at once, with a peak of current into the clamped
+    /// capacitance.
+    #[cold]
+    pub(crate) fn fail(&mut self, fault: Fault) -> Step {
+        self.begin(Stage::Failed(fault));
+        Step::Silence
+    }
+
+    /// Returns `true` if the scan drives.
+    pub(crate) fn drives(&self) -> bool {
+        !matches!(self.stage, Stage::Failed(_))
     }
 
     fn begin(&mut self, stage: Stage) {
@@ -311,6 +329,7 @@ impl Scan {
 
     fn begin_pass(&mut self, pass: Pass, stage: Stage) {
         self.pass = pass;
+        self.loud_a = LOUD_REL * self.limit_a;
         self.hold.retune(pass.centre_hz);
         self.baseband.restart(self.hold.word());
         self.spectrum = pass.spectrum(self.block_s);
@@ -322,7 +341,7 @@ impl Scan {
         let offset_hz = match self.stage {
             Stage::Window(_) | Stage::Fine => self.pass.offset_hz(self.blocks),
             Stage::Search(_) => self.pass.centre_hz,
-            Stage::Fit | Stage::RingDown(_) => self.resonance_hz(),
+            Stage::Fit | Stage::RingDown(_) | Stage::Failed(_) => self.resonance_hz(),
         };
         Step::Tone { offset_hz, volts: self.volts, lane: 0 }
     }

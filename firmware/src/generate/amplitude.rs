@@ -119,17 +119,18 @@ impl AmplitudeLoop {
         self.limits.voltage_v
     }
 
-    /// Starts with an identified transducer that already vibrates with this motional current, A.
+    /// Starts with an identified transducer that already vibrates with this motional current, A, at
+    /// this drive, V.
     // Not inlined: it runs once a lock, and the fast memory of a board has no room for it.
     #[cold]
     #[inline(never)]
-    pub(crate) fn seed(&mut self, transducer: &Transducer, motional_current: f32) {
+    pub(crate) fn seed(&mut self, transducer: &Transducer, motional_current: f32, volts: f32) {
         self.ohm = transducer.rm_ohm;
         self.lag = (self.block_s / transducer.time_constant_s()).min(1.0);
         self.expected = motional_current;
         (self.risen, self.rises_from_a) = (0.0, motional_current);
         self.fold_back.begin(transducer.lm_h, self.block_s, self.lag);
-        self.integral_volts = self.start_volts;
+        self.integral_volts = volts;
         self.settled_blocks = 0;
         self.last_set_point_a = 0.0;
     }

@@ -92,7 +92,8 @@ impl Follow {
         let phase = track.tracker.follow(sensed, motional, at_lock_point, &block);
         if track.latest_transducer().is_none() && track.tracker.has_converged() {
             let transducer = track.begin_to_learn(chain.block);
-            chain.generator.amplitude.seed(transducer, magnitude(motional));
+            let amplitude = &mut chain.generator.amplitude;
+            amplitude.seed(transducer, magnitude(motional), amplitude.start_volts());
         }
         if chain.track.tracker.observes() && (played.pure || chain.track.online.probes()) {
             self.probe(chain, measured);

@@ -24,10 +24,16 @@ impl Stage for Scan {
         {
             return step;
         }
-        if let (Step::Done { .. }, Some(found)) = (step, self.found()) {
+        if let Step::Failed(fault) = step
+            && self.drives()
+        {
+            chain.generator.fade();
+            return self.fail(fault);
+        }
+        if let (Step::Done { volts }, Some(found)) = (step, self.found()) {
             chain.track.adopt(found, self.modes());
             chain.generator.sweep.hold.retune(chain.track.tracker.offset_hz());
-            chain.generator.amplitude.seed(&found.transducer, magnitude(measured.motional));
+            chain.generator.amplitude.seed(&found.transducer, magnitude(measured.motional), volts);
         }
         step
     }

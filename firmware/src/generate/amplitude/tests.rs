@@ -41,7 +41,7 @@ fn amplitude_loop(amperes: f32) -> AmplitudeLoop {
 #[test]
 fn holds_the_current_when_the_load_triples_the_resistance() {
     let mut hold = amplitude_loop(1.0);
-    hold.seed(&transducer(65.0, 3.0), 0.0);
+    hold.seed(&transducer(65.0, 3.0), 0.0, 1.0);
     let mut current = 0.0;
     for n in 0..4000 {
         let (ohm, q) = if n < 2000 { (3.0, 65.0) } else { (9.0, 22.0) };
@@ -60,7 +60,7 @@ fn holds_the_current_when_the_load_triples_the_resistance() {
 #[test]
 fn a_new_amplitude_takes_only_the_ring_up() {
     let mut hold = amplitude_loop(1.0);
-    hold.seed(&transducer(65.0, 3.0), 0.0);
+    hold.seed(&transducer(65.0, 3.0), 0.0, 1.0);
     let lag = 32e-6 * core::f32::consts::PI * 40e3 / 65.0;
     let mut current = 0.0;
     for set_point in [1.0, 0.4, 0.9] {
@@ -83,7 +83,7 @@ fn the_amplitude_returns_after_zero() {
     // After zero, only the ring-up takes time; after fading, the loop must find the load again.
     for (course, blocks) in [(nothing, 80), (faded, 600)] {
         let mut hold = amplitude_loop(1.0);
-        hold.seed(&transducer(65.0, 3.0), 0.0);
+        hold.seed(&transducer(65.0, 3.0), 0.0, 1.0);
         let mut current = 0.0;
         for n in 0..4000 + blocks {
             let set_point = if (2000..4000).contains(&n) { course(n - 2000) } else { 1.0 };
@@ -103,7 +103,7 @@ fn the_amplitude_returns_after_zero() {
 fn a_soft_start_rises_along_a_line() {
     for (set_point, from, to) in [(Amplitude::Volts(5.0), 1.0, 5.0), (Amplitude::Volts(0.5), 0.5, 0.5)] {
         let mut hold = AmplitudeLoop { rise: 0.01, ..amplitude_loop(1.0) };
-        hold.seed(&transducer(65.0, 3.0), 0.0);
+        hold.seed(&transducer(65.0, 3.0), 0.0, 1.0);
         for n in 1..200 {
             hold.update(set_point, 1.0, Phasor::default());
             let part = (n as f32 * 0.01).min(1.0);
@@ -111,7 +111,7 @@ fn a_soft_start_rises_along_a_line() {
         }
     }
     let mut hold = AmplitudeLoop { rise: 1e-3, ..amplitude_loop(1.0) };
-    hold.seed(&transducer(65.0, 3.0), 0.2);
+    hold.seed(&transducer(65.0, 3.0), 0.2, 1.0);
     let (lag, mut current) = (32e-6 * core::f32::consts::PI * 40e3 / 65.0, 0.2);
     for n in 1..=1200 {
         current += lag * (hold.volts() / 3.0 - current);
@@ -127,7 +127,7 @@ fn a_soft_start_rises_along_a_line() {
 #[test]
 fn an_amplitude_below_the_resolution_is_silence() {
     let mut hold = amplitude_loop(1.0);
-    hold.seed(&transducer(65.0, 3.0), 0.0);
+    hold.seed(&transducer(65.0, 3.0), 0.0, 1.0);
     for (set_point, played) in [(1e-3, 1e-3), (1e-4, 1e-4), (0.9e-4, 0.0), (1e-30, 0.0), (1e-45, 0.0)] {
         hold.update(Amplitude::Volts(set_point), 1.0, Phasor::default());
         assert_eq!(hold.volts(), played, "{set_point:e}");
@@ -138,7 +138,7 @@ fn an_amplitude_below_the_resolution_is_silence() {
 #[test]
 fn the_limit_is_never_exceeded_and_is_reported() {
     let mut hold = amplitude_loop(2.0);
-    hold.seed(&transducer(65.0, 3.0), 0.0);
+    hold.seed(&transducer(65.0, 3.0), 0.0, 1.0);
     for set_point in [Amplitude::Volts(50.0), Amplitude::Volts(f32::INFINITY)] {
         hold.update(set_point, 1.0, Phasor::default());
         assert!(hold.volts() == 12.0 && hold.limited(), "{set_point:?}");
