@@ -9,7 +9,7 @@ use crate::seam::block::{DriveBlock, LATENCY_BLOCKS};
 use crate::seam::config;
 use crate::seam::config::{Drive, FrontEnd, HeatSink, Limits, Phasing, Supply, Thermometer, Tracking, TrackingMode};
 use crate::seam::phasor::Phasor;
-use crate::seam::transducer::Resonances;
+use crate::seam::transducer::{Resonances, Transducer};
 use crate::sense::demod::demodulate;
 use crate::sense::motional::Motional;
 use std::vec::Vec as List;
