@@ -116,13 +116,10 @@ fn a_software_fault_silences_both_halves_at_once() {
         board.bench_mut().tie(at, VOLTAGE, 3.3);
     };
     let on_time = changed(&["controller.limits.on_time_s=0.1"]);
-    // The tracker finds this after it has locked, at the end of its work in a block.
-    let other = changed(&["controller.tracking.nominal_lm_h=3e-3"]);
     for (board, fault) in [
         (run(elf, &changed(&[]), 0.02, Some(|_| ())), Fault::HostLost),
         (run(elf, &changed(&[]), 0.0, Some(saturate)), Fault::SenseSaturated),
         (run(elf, &on_time, 0.0, None), Fault::OnTimeExceeded),
-        (run(elf, &other, 0.0, None), Fault::WrongMode),
     ] {
         let (dropped, _) = dropped(&board.borrow());
         println!("{dropped:?} of {BLOCK}");
