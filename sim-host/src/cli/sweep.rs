@@ -187,11 +187,15 @@ fn sweep_into(args: &SweepArgs, loaded: &Loaded, sweep: &Sweep, color: Color) ->
             Ok(Exit::Done)
         }
         Some(Some(joined)) => {
-            if args.target.is_some() && joined.rows.is_none() {
-                say!("note: the target is not searched in so many points: `sim-host solve` computes where it is");
-            }
             let target = args.target.as_ref().zip(joined.rows.as_ref());
-            let crossings = target.and_then(|(target, rows)| Crossings::new(target, &sweep.design, &joined.names.1, rows));
+            let crossings = target.and_then(|(target, rows)| Crossings::new(target, sweep, &joined.names.1, rows));
+            match &args.target {
+                Some(_) if joined.rows.is_none() => {
+                    say!("note: the target is not searched in so many points: `sim-host solve` computes where it is");
+                }
+                Some(target) if crossings.is_none() => say!("note: no point has {}, so there is no crossing", target.metric),
+                _ => {}
+            }
             show((&joined, crossings.as_ref()), &dir, &args.result, color)
         }
     }
@@ -225,7 +229,7 @@ fn show(
     super::print_styled(&match shown.format {
         Format::Human => {
             let tables: String = joined.tables.iter().map(|table| table.terminal(color.stdout)).collect();
-            tables + &crossings.map_or_else(String::new, |crossings| crossings.text(&joined.scene, color.stdout))
+            tables + &crossings.map_or_else(String::new, |crossings| crossings.text(color.stdout))
         }
         Format::Json => {
             let rows: Option<Vec<Value>> =

@@ -8,8 +8,8 @@ use super::super::solve::with_unit;
 use report::TableBlock;
 use scene::shown;
 use sim::numbers::number;
-use sim::study::sweep::Rows;
 use sim::study::sweep::design::Design;
+use sim::study::sweep::{Rows, Sweep};
 
 /// Maximum number of crossings that are printed.
 const MAX_PRINTED: usize = 20;
@@ -38,6 +38,8 @@ impl FromStr for Target {
 /// Crossings of a target along one key of a sweep over every combination of its keys.
 pub(super) struct Crossings<'a> {
     target: &'a Target,
+    /// Name or path of the scene.
+    scene: &'a str,
     keys: Vec<&'a str>,
     /// Index of the key with the most values, along which the points are neighbours.
     along: usize,
@@ -50,8 +52,8 @@ pub(super) struct Crossings<'a> {
 impl<'a> Crossings<'a> {
     /// Searches the rows of a complete sweep; `None` if its points are not every combination of the
     /// keys, or the metric is not one of its columns.
-    pub(super) fn new(target: &'a Target, design: &'a Design, metrics: &[String], rows: &Rows) -> Option<Self> {
-        let Design::Product(axes) = design else { return None };
+    pub(super) fn new(target: &'a Target, sweep: &'a Sweep, metrics: &[String], rows: &Rows) -> Option<Self> {
+        let Design::Product(axes) = &sweep.design else { return None };
         let column = &rows.metrics[metrics.iter().position(|metric| *metric == target.metric)?];
         let counts: Vec<usize> = axes.iter().map(|axis| axis.count() as usize).collect();
         let along = (0..axes.len()).rev().max_by_key(|&axis| counts[axis])?;
@@ -77,11 +79,18 @@ impl<'a> Crossings<'a> {
         let values = || column.iter().flatten().copied().filter(|value| value.is_finite());
         let range = values().reduce(f64::min).zip(values().reduce(f64::max));
         let found = (0..rows.points.len()).filter_map(crossing).collect();
-        Some(Crossings { target, keys: axes.iter().map(|axis| axis.key.as_str()).collect(), along, found, range })
+        Some(Crossings {
+            target,
+            scene: &sweep.loaded.origin,
+            keys: axes.iter().map(|axis| axis.key.as_str()).collect(),
+            along,
+            found,
+            range,
+        })
     }
 
     /// Returns the crossings as a table, or as one sentence if there is none.
-    pub(super) fn text(&self, scene: &str, styled: bool) -> String {
+    pub(super) fn text(&self, styled: bool) -> String {
         let Target { metric, value } = self.target;
         let key = self.keys[self.along];
         if self.found.is_empty() {
@@ -93,11 +102,14 @@ impl<'a> Crossings<'a> {
         }
         let header: Vec<String> = self.keys.iter().map(|key| with_unit(key)).collect();
         let row = |values: &Vec<f64>| values.iter().map(|&value| number(value)).collect();
+        let others =
+            self.keys.iter().filter(|other| **other != key).map(|other| format!(" --set {other}=VALUE")).collect::<String>();
         let more = self.found.len().saturating_sub(MAX_PRINTED);
         let caption = format!(
-            "{}Interpolated between neighbouring points along {key}; `sim-host solve {scene} --for {metric}={} --by {key}=LEAST:MOST` \
-             computes it.",
+            "{}Interpolated between neighbouring points along {key}. To compute it: sim-host solve {}{others} --for {metric}={} --by \
+             {key}=LEAST:MOST",
             if more > 0 { format!("{more} more are in the JSON. ") } else { String::new() },
+            self.scene,
             shown(*value)
         );
         let rows = self.found.iter().take(MAX_PRINTED).map(row).collect();
@@ -116,6 +128,7 @@ impl<'a> Crossings<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use scene::load::load;
 
     fn rows(design: &Design, of: impl Fn(&[f64]) -> Option<f64>) -> Rows {
         let mut rows = Rows::new(design.keys().len(), 1);
@@ -131,24 +144,27 @@ mod tests {
 
     fn found(over: &[&str], target: f64, of: impl Fn(&[f64]) -> Option<f64>) -> Vec<Vec<f64>> {
         let design = Design::product(over.iter().map(|over| over.parse().unwrap()).collect()).unwrap();
-        let target = Target { metric: "friction_ratio".into(), value: target };
+        let (loaded, metric) = (load("contact-kinematic", &[]).unwrap(), "friction_ratio".to_owned());
+        let target = Target { metric: metric.clone(), value: target };
         let rows = rows(&design, of);
-        Crossings::new(&target, &design, &["friction_ratio".into()], &rows).unwrap().found
+        let sweep = Sweep::new(&loaded, design, std::slice::from_ref(&metric)).unwrap();
+        Crossings::new(&target, &sweep, &[metric], &rows).unwrap().found
     }
 
     #[test]
     fn crossings_are_along_the_key_with_the_most_values() {
         let linear = |values: &[f64]| Some(values[0] + values[1]);
-        assert_eq!(found(&["a.b=0:4:5", "c.d=0,0.5"], 2.25, linear), [[2.25, 0.0], [1.75, 0.5]]);
-        assert_eq!(found(&["c.d=0,0.5", "a.b=0:4:5"], 2.25, linear), [[0.0, 2.25], [0.5, 1.75]]);
+        let (mu, ratio) = ("contact.dahl.mu=1:5:5", "excitation.velocity_ratio=0.25,0.5");
+        assert_eq!(found(&[mu, ratio], 3.5, linear), [[3.25, 0.25], [3.0, 0.5]]);
+        assert_eq!(found(&[ratio, mu], 3.5, linear), [[0.25, 3.25], [0.5, 3.0]]);
     }
 
     #[test]
     fn a_point_on_the_target_counts_once_and_gaps_have_no_crossing() {
-        assert_eq!(found(&["a.b=0:4:5"], 2.0, |values| Some(values[0])), [[2.0]]);
-        assert_eq!(found(&["a.b=0:4:5"], 4.0, |values| Some(values[0])), [[4.0]]);
-        assert!(found(&["a.b=0:4:5"], 2.5, |values| (values[0] != 3.0).then_some(values[0])).is_empty());
-        let root = found(&["a.b=1:100:3:log"], 1.5, |values| Some(values[0].log10()))[0][0];
+        assert_eq!(found(&["contact.dahl.mu=1:5:5"], 3.0, |values| Some(values[0])), [[3.0]]);
+        assert_eq!(found(&["contact.dahl.mu=1:5:5"], 5.0, |values| Some(values[0])), [[5.0]]);
+        assert!(found(&["contact.dahl.mu=1:5:5"], 3.5, |values| (values[0] != 4.0).then_some(values[0])).is_empty());
+        let root = found(&["contact.dahl.stiffness_n_per_m=1:100:3:log"], 1.5, |values| Some(values[0].log10()))[0][0];
         assert!((root - 10f64.powf(1.5)).abs() < 1e-9, "{root}");
     }
 }

@@ -40,8 +40,6 @@ pub struct Joined {
     pub names: (Vec<String>, Vec<String>),
     /// Rows of all points, if these are at most 10 000.
     pub rows: Option<Rows>,
-    /// Name of the scene.
-    pub scene: String,
     /// Values that the user did not set.
     pub assumed: Vec<Assumed>,
     /// Path of the page.
@@ -95,8 +93,8 @@ pub fn join(dirs: &[PathBuf], target: &Path, shown: &Presentation) -> Result<Joi
     drop(file);
     folder.finish(json!({ "scene": plan.scene(), "plan_hash": plan.hash(), "complete": true }))?;
     let names = (layout.keys, layout.metrics);
-    let (scene, assumed, page) = (plan.scene().to_owned(), plan.assumed(), target.join(super::PAGE));
-    Ok(Joined { points: plan.count(), failures, absent, tables: written, names, rows, scene, assumed, page })
+    let (assumed, page) = (plan.assumed(), target.join(super::PAGE));
+    Ok(Joined { points: plan.count(), failures, absent, tables: written, names, rows, assumed, page })
 }
 
 /// Returns the common plan of all folders.
