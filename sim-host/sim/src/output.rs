@@ -97,10 +97,14 @@ pub struct Presentation {
 
 /// Returns the manifest: everything that the run depended on.
 fn manifest(loaded: &Loaded, study: &Study, provenance: &Provenance) -> Value {
+    let mut scene = resolved_json(study.scene);
+    if let Some(runs) = study.monte_carlo() {
+        scene["runs"] = json!(runs.asked);
+    }
     let mut manifest = json!({
         "scene": study.name, "seed": study.scene.seed,
         "level": tables::level(study), "input_hash": format!("{:016x}", text_hash(&loaded.input)), "set": loaded.sets,
-        "interrupted": study.interrupted, "complete": !study.interrupted, "resolved_scene": resolved_json(study.scene),
+        "interrupted": study.interrupted, "complete": !study.interrupted, "resolved_scene": scene,
     });
     if let Some(commit) = &provenance.commit {
         manifest["commit"] = json!(commit);

@@ -264,7 +264,7 @@ pub fn run<'a>(loaded: &'a Loaded, mut options: Options) -> Result<Study<'a>, St
     let (outcome, metrics, overlaid, cut, cells) = match scene.kind().ok_or(StudyError::Incomplete)? {
         _ if scene.runs > 1 => {
             let (runs, metrics) = monte_carlo::run(loaded, options, stop)?;
-            let cut = runs.runs.len() < scene.runs as usize;
+            let cut = runs.runs.len() < runs.asked as usize;
             let figures = || monte_carlo::figures::all(scene, &runs);
             let overlaid = (!scene.overlay.is_empty()).then(|| overlay::lay(figures(), &scene.overlay, None));
             (Outcome::MonteCarlo(Box::new(runs)), metrics, overlaid, cut, None)

@@ -82,7 +82,7 @@ pub fn remarks(study: &Study) -> Vec<String> {
         Some(format!("`integrator.method = \"{old}\"` is deprecated; the next version removes it. Use \"{new}\"."))
     }));
     remarks.extend(inputs::remark(study));
-    remarks.extend(assumed(study));
+    remarks.extend(Assumed::remark(&study.assumed));
     remarks.extend(renamed(study));
     remarks.extend(match &study.outcome {
         Outcome::Driven(run) => driven::remarks(run),
@@ -98,24 +98,22 @@ pub fn remarks(study: &Study) -> Vec<String> {
     remarks
 }
 
-/// Returns a remark on the values that the user did not set.
-fn assumed(study: &Study) -> Option<String> {
-    let values: Vec<String> = study.assumed.iter().map(Assumed::text).collect();
-    let follow = "Results that follow from them are marked \"assumed\"";
-    (!values.is_empty()).then(|| format!("Assumed, because you did not set them: {}. {follow}.", values.join(", ")))
-}
-
 /// Returns `" (assumed)"` if a metric, or the label of one, follows from a value that the user did
-/// not set.
-fn mark(study: &Study, metric: &str) -> &'static str {
+/// not set. `driven`: the scene has a controller.
+pub fn mark(all: &[Assumed], driven: bool, metric: &str) -> &'static str {
     let has = |words: &[&str]| words.iter().any(|word| metric.contains(word));
     let words =
         ["friction", "reduction", "breakaway", "kappa", "load_cell", "release", "hold", "creep", "detent", "slip", "ripple"];
-    let of_contact = has(&words) || study.scene.controller.is_none() && has(&["ratio"]) && !has(&["velocity"]);
+    let of_contact = has(&words) || !driven && has(&["ratio"]) && !has(&["velocity"]);
     // A contact on a stack is vibrated through its force factor, while the drive is ON.
     let of_stack = (of_contact || has(&["velocity", "displacement", "tip"])) && !has(&["off", "OFF", "wanted", "estimate"]);
     let follows = |assumed: &Assumed| if assumed.is_contact() { of_contact } else { of_stack };
-    if study.assumed.iter().any(follows) { " (assumed)" } else { "" }
+    if all.iter().any(follows) { " (assumed)" } else { "" }
+}
+
+/// Does the same for a metric of a study.
+fn mark_of(study: &Study, metric: &str) -> &'static str {
+    mark(&study.assumed, study.scene.controller.is_some(), metric)
 }
 
 /// Returns the measured curves of the scene that its run does not show, with reasons: one sentence
@@ -163,7 +161,7 @@ pub fn headline(study: &Study) -> Vec<(String, String)> {
     let tiles = first.into_iter().chain(lines.iter().filter_map(tile).map(until));
     tiles
         .map(|(label, value)| {
-            let value = value + mark(study, &label);
+            let value = value + mark_of(study, &label);
             (label, value)
         })
         .collect()
@@ -276,7 +274,7 @@ pub fn in_short(study: &Study) -> String {
 /// Returns a table of every metric of a study.
 pub fn all_metrics(study: &Study) -> TableBlock {
     let row =
-        |(name, value): (&str, f64)| vec![name.to_owned(), shown(study, name, value) + mark(study, name), described(name).0];
+        |(name, value): (&str, f64)| vec![name.to_owned(), shown(study, name, value) + mark_of(study, name), described(name).0];
     TableBlock::new("metrics", "All metrics", "", &["metric", "value", "unit"], study.metrics.iter().map(row).collect())
 }
 
@@ -284,7 +282,7 @@ pub fn all_metrics(study: &Study) -> TableBlock {
 fn dictionary(study: &Study) -> TableBlock {
     let row = |(name, value): (&str, f64)| {
         let (unit, meaning) = described(name);
-        vec![name.to_owned(), shown(study, name, value) + mark(study, name), unit, meaning]
+        vec![name.to_owned(), shown(study, name, value) + mark_of(study, name), unit, meaning]
     };
     let header = ["metric", "value", "unit", "meaning"];
     TableBlock::new("metrics", "All metrics", "", &header, study.metrics.iter().map(row).collect())

@@ -5,7 +5,7 @@ use std::sync::atomic::AtomicBool;
 
 use clap::{ArgGroup, Args};
 
-use super::solve::{cause, note_unsettled, range, with_unit};
+use super::solve::{cause, heading, note_keys, note_unsettled, range, with_unit};
 use super::sweep::progress::Progress;
 use super::{Color, Exit, Format, interrupts, mistake};
 use report::TableBlock;
@@ -82,10 +82,7 @@ pub(super) fn run(args: &OptimiseArgs, color: Color) -> anyhow::Result<Exit> {
     let loaded = load(&args.scene, &args.sets)?;
     let runs = args.runs.map(u64::from);
     let question = Question::new(&loaded, ranges, (goal, objective.clone()), limits, (args.metric.clone(), runs));
-    let keys: Vec<&str> = question.ranges.iter().map(|range| range.key.as_str()).collect();
-    if let Some(why) = loaded.scene.coupled(&keys).filter(|_| !args.quiet) {
-        say!("note: {why}");
-    }
+    note_keys(&loaded, &question.keys(), args.quiet);
     question.check().map_err(anyhow::Error::from)?;
     interrupts::set(&STOP)?;
     let dir = args.output.clone().unwrap_or_else(|| default_dir(&format!("{}-optimise", loaded.name)));
@@ -147,6 +144,7 @@ fn human(question: &Question, answer: &Answer, color: Color) -> String {
         };
         vec![with_unit(&range.key), precise(value), note.to_owned()]
     });
+    let heading = heading(question.loaded, &question.keys());
     let is_key = |name: &String| question.ranges.iter().any(|range| range.key == *name);
     let own = |(name, _): &(&String, &Option<f64>)| !is_key(name);
     let metrics = question.metrics.iter().zip(&best.metrics).filter(own).map(|(name, value)| {
@@ -160,7 +158,7 @@ fn human(question: &Question, answer: &Answer, color: Color) -> String {
             };
             format!("limit {} {} {state}", if limit.is_upper { "<=" } else { ">=" }, shown(limit.value))
         });
-        vec![with_unit(name), value_text, limits.collect::<Vec<_>>().join(", ")]
+        vec![heading(name), value_text, limits.collect::<Vec<_>>().join(", ")]
     });
     let limits = question.limits.iter().map(Limit::text).collect::<Vec<_>>().join(" and ");
     let how = if question.goal == Goal::Minimise { "Smallest" } else { "Largest" };
@@ -180,8 +178,7 @@ fn human(question: &Question, answer: &Answer, color: Color) -> String {
     let best = TableBlock::new("optimum", &title, caption, &header, keys.chain(metrics).collect());
     let others = (answer.optima.len() > 1).then(|| {
         let keys = question.ranges.iter().map(|range| with_unit(&range.key));
-        let header: Vec<String> =
-            keys.chain(question.metrics.iter().filter(|name| !is_key(name)).map(|name| with_unit(name))).collect();
+        let header: Vec<String> = keys.chain(question.metrics.iter().filter(|name| !is_key(name)).map(&heading)).collect();
         let cells = |run: &Run| {
             let metrics = question
                 .metrics

@@ -18,6 +18,7 @@ use sim::output::{self, Owner};
 use sim::processor::Processor;
 use sim::run::RunError;
 use sim::study::monte_carlo::draw::Draws;
+use sim::study::monte_carlo::most_runs;
 use sim::study::{self, Level, Options, Start, Study};
 use sim::tables;
 
@@ -122,9 +123,9 @@ pub(super) fn run(args: &RunArgs, color: Color) -> anyhow::Result<Exit> {
     }
     match args.run {
         None => run_loaded(args, &loaded, color),
-        Some(number) if loaded.scene.runs == 1 || !(1..=loaded.scene.runs).contains(&number) => {
+        Some(number) if loaded.scene.runs == 1 || !(1..=most_runs(&loaded)).contains(&number) => {
             let have = if loaded.scene.runs == 1 { "is run once" } else { "has runs 1 to " };
-            let last = if loaded.scene.runs == 1 { String::new() } else { loaded.scene.runs.to_string() };
+            let last = if loaded.scene.runs == 1 { String::new() } else { most_runs(&loaded).to_string() };
             Err(mistake(Exit::Input, format!("there is no run {number}: `{}` {have}{last}", loaded.name)))
         }
         Some(number) => run_loaded(args, &single_run(&loaded, number)?, color),

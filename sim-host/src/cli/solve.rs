@@ -4,15 +4,17 @@ use std::sync::atomic::AtomicBool;
 
 use clap::Args;
 
+use super::sweep::crossing::Target;
 use super::sweep::progress::Progress;
 use super::{Color, Exit, Format, interrupts, mistake};
 use report::TableBlock;
-use scene::load::load;
+use scene::load::{Assumed, Loaded, load};
 use scene::shown;
 use sim::numbers::precise;
 use sim::study::solve::{Answer, Crossing, Question, Root, SAMPLES, SolveError};
 use sim::study::sweep::axis::Range;
 use sim::study::sweep::{SweepError, unit};
+use sim::tables::mark;
 
 /// `true` after Ctrl-C or any other request to end.
 static STOP: AtomicBool = AtomicBool::new(false);
@@ -26,7 +28,7 @@ pub(super) struct SolveArgs {
     scene: String,
     /// Metric and its wanted value, for example `reduction_percent=70`.
     #[arg(long = "for", value_name = "METRIC=VALUE")]
-    target: String,
+    target: Target,
     /// Key that is changed and its range; logarithmic if `:log` follows.
     #[arg(long, value_name = "KEY=LEAST:MOST[:log]")]
     by: String,
@@ -49,22 +51,15 @@ pub(super) struct SolveArgs {
 
 /// Finds the values of a key at which a metric has a value.
 pub(super) fn run(args: &SolveArgs, color: Color) -> anyhow::Result<Exit> {
-    let parsed = args.target.split_once('=').and_then(|(metric, value)| Some((metric.trim(), value.trim().parse::<f64>().ok()?)));
-    let Some((metric, target)) = parsed.filter(|(_, value)| value.is_finite()) else {
-        let why =
-            format!("`--for {}` is not a metric with a number: write, for example, `--for reduction_percent=70`", args.target);
-        return Err(mistake(Exit::Usage, why));
-    };
+    let Target { metric, value: target } = args.target.clone();
     let range = range("--by", &args.by)?;
     let pool = rayon::ThreadPoolBuilder::new().num_threads(args.jobs.unwrap_or(0).into()).build()?;
     let loaded = load(&args.scene, &args.sets)?;
-    let mut metrics = vec![metric.to_owned()];
+    let mut metrics = vec![metric.clone()];
     let of_a_drive = OF_A_DRIVE.iter().filter(|_| args.metric.is_empty() && loaded.scene.controller.is_some());
-    metrics.extend(of_a_drive.map(|&name| name.to_owned()).chain(args.metric.iter().cloned()).filter(|name| name != metric));
+    metrics.extend(of_a_drive.map(|&name| name.to_owned()).chain(args.metric.iter().cloned()).filter(|name| *name != metric));
     let question = Question { loaded: &loaded, range, metrics, target };
-    if let Some(why) = loaded.scene.coupled(&[&question.range.key]).filter(|_| !args.quiet) {
-        say!("note: {why}");
-    }
+    note_keys(&loaded, &[&question.range.key], args.quiet);
     interrupts::set(&STOP)?;
     let progress = Progress::new(SAMPLES, args.quiet);
     let answer = pool.install(|| question.answer(&STOP, &|| progress.point())).map_err(cause)?;
@@ -114,6 +109,12 @@ pub(super) fn cause(error: SolveError) -> anyhow::Error {
     }
 }
 
+/// Prints a note on what else moves with these keys, and one on the values that nobody set.
+pub(super) fn note_keys(loaded: &Loaded, keys: &[&str], quiet: bool) {
+    let notes = loaded.scene.coupled(keys).into_iter().chain(Assumed::remark(&loaded.assumed_with(keys)));
+    notes.filter(|_| !quiet).for_each(|note| say!("note: {note}"));
+}
+
 /// Prints the number of runs without a steady state, if there are any.
 pub(super) fn note_unsettled(count: u64) {
     if count > 0 {
@@ -129,12 +130,20 @@ pub(super) fn with_unit(name: &str) -> String {
     }
 }
 
+/// Returns the heading of a metric, for a result in which these keys change: its name, its unit,
+/// and a mark if it follows from a value that nobody set.
+pub(super) fn heading<'a>(loaded: &'a Loaded, keys: &[&str]) -> impl Fn(&String) -> String + 'a {
+    let assumed = loaded.assumed_with(keys);
+    move |name| with_unit(name) + mark(&assumed, loaded.scene.controller.is_some(), name)
+}
+
 fn human(question: &Question, answer: &Answer, color: Color) -> String {
     let (metric, target, key) = (&question.metrics[0], shown(question.target), &question.range.key);
     let (from, to) = question.range.ends;
     let range = format!("{key} from {} to {}", shown(from), shown(to));
     let roots = (!answer.roots.is_empty()).then(|| {
-        let header = std::iter::once(with_unit(key)).chain(question.metrics.iter().map(|name| with_unit(name)));
+        let heading = heading(question.loaded, &[key]);
+        let header = std::iter::once(with_unit(key)).chain(question.metrics.iter().map(heading));
         let cells = |root: &Root| {
             let at = match root.within {
                 (first, last) if root.runs == 0 && first < last => format!("{} to {}", shown(first), shown(last)),

@@ -1,5 +1,6 @@
 //! `sim-host sweep` and `sim-host merge`.
 
+pub(super) mod crossing;
 mod estimate;
 pub(super) mod progress;
 
@@ -10,7 +11,9 @@ use clap::Args;
 use columns::file::MAX_DATA_BYTES;
 use serde_json::{Map, Value, json};
 
+use self::crossing::{Crossings, Target};
 use self::progress::Progress;
+use super::solve::note_keys;
 use super::{Color, DrawingArgs, Exit, Format, ResultArgs, interrupts, mistake};
 use scene::load::{Loaded, load};
 use sim::output::default_dir;
@@ -53,6 +56,9 @@ pub(super) struct SweepArgs {
     /// Metrics of each point, or `all` that it has (`sim-host explain` lists them).
     #[arg(long, value_name = "A,B|all", value_delimiter = ',', default_value = ALL)]
     metric: Vec<String>,
+    /// Also print where a metric crosses this value, along the key with the most values.
+    #[arg(long, value_name = "METRIC=VALUE", conflicts_with_all = ["sample", "points", "shard"])]
+    target: Option<Target>,
     #[command(flatten)]
     result: ResultArgs,
     /// Number of points to run in parallel. Default: the number of processors.
@@ -98,9 +104,7 @@ pub(super) fn run(args: &SweepArgs, color: Color) -> anyhow::Result<Exit> {
         }
         made => made?,
     };
-    if let Some(why) = loaded.scene.coupled(&sweep.design.keys()).filter(|_| !args.result.quiet) {
-        say!("note: {why}");
-    }
+    note_keys(&loaded, &sweep.design.keys(), args.result.quiet);
     if plan {
         return estimate::run(&sweep, args.shard, args.result.format);
     }
@@ -129,7 +133,11 @@ fn design(args: &SweepArgs) -> Result<Design, SweepError> {
 
 /// Returns the metrics by name; an empty list selects all.
 fn metrics(args: &SweepArgs) -> Vec<String> {
-    if args.metric == [ALL] { Vec::new() } else { args.metric.clone() }
+    if args.metric == [ALL] {
+        return Vec::new();
+    }
+    let target = args.target.iter().map(|target| &target.metric).filter(|name| !args.metric.contains(name));
+    args.metric.iter().chain(target).cloned().collect()
 }
 
 fn sweep_into(args: &SweepArgs, loaded: &Loaded, sweep: &Sweep, color: Color) -> anyhow::Result<Exit> {
@@ -178,14 +186,25 @@ fn sweep_into(args: &SweepArgs, loaded: &Loaded, sweep: &Sweep, color: Color) ->
             }
             Ok(Exit::Done)
         }
-        Some(Some(joined)) => show(&joined, &dir, &args.result, color),
+        Some(Some(joined)) => {
+            let target = args.target.as_ref().zip(joined.rows.as_ref());
+            let crossings = target.and_then(|(target, rows)| Crossings::new(target, sweep, &joined.names.1, rows));
+            match &args.target {
+                Some(_) if joined.rows.is_none() => {
+                    say!("note: the target is not searched in so many points: `sim-host solve` computes where it is");
+                }
+                Some(target) if crossings.is_none() => say!("note: no point has {}, so there is no crossing", target.metric),
+                _ => {}
+            }
+            show((&joined, crossings.as_ref()), &dir, &args.result, color)
+        }
     }
 }
 
 /// Joins the shards of a sweep.
 pub(super) fn merge(args: &MergeArgs, color: Color) -> anyhow::Result<Exit> {
     let target = args.result.output.as_ref().unwrap_or(&args.dirs[0]);
-    show(&join(&args.dirs, target, &args.drawing.presentation())?, target, &args.result, color)
+    show((&join(&args.dirs, target, &args.drawing.presentation())?, None), target, &args.result, color)
 }
 
 /// Returns a row for programs: its point, keys and metrics, the fault that ended the run, or the
@@ -201,9 +220,17 @@ fn json_row(joined: &Joined, rows: &Rows, row: usize) -> Value {
 }
 
 /// Prints the result of a complete sweep.
-fn show(joined: &Joined, dir: &Path, shown: &ResultArgs, color: Color) -> anyhow::Result<Exit> {
+fn show(
+    (joined, crossings): (&Joined, Option<&Crossings>),
+    dir: &Path,
+    shown: &ResultArgs,
+    color: Color,
+) -> anyhow::Result<Exit> {
     super::print_styled(&match shown.format {
-        Format::Human => joined.tables.iter().map(|table| table.terminal(color.stdout)).collect(),
+        Format::Human => {
+            let tables: String = joined.tables.iter().map(|table| table.terminal(color.stdout)).collect();
+            tables + &crossings.map_or_else(String::new, |crossings| crossings.text(color.stdout))
+        }
         Format::Json => {
             let rows: Option<Vec<Value>> =
                 joined.rows.as_ref().map(|rows| (0..rows.points.len()).map(|row| json_row(joined, rows, row)).collect());
@@ -214,6 +241,8 @@ fn show(joined: &Joined, dir: &Path, shown: &ResultArgs, color: Color) -> anyhow
                 "dir": dir,
                 "complete": true,
                 "rows": rows,
+                "assumed": joined.assumed,
+                "target": crossings.map(Crossings::json),
             });
             format!("{json:#}\n")
         }

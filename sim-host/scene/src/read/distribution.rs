@@ -9,7 +9,8 @@
 //! | `{ samples = [x1, x2] }` | one of the numbers | their median |
 //! | `{ samples = "file.csv", column = "mu" }` | a row of a table, the same row for all keys | their median |
 //!
-//! A contact study or a design with a distribution runs 256 times, unless it has `runs`. A driven
+//! A contact study or a design with a distribution runs 256 times, or more often if its interval
+//! requires it, unless it has `runs`. A driven
 //! scene, whose runs take longer, needs `runs`.
 
 use std::collections::BTreeSet;
@@ -35,14 +36,15 @@ type Found = (String, Schema, Node);
 /// Keys of an entry of `[[vary]]`.
 type Keys = Vec<(&'static str, Value)>;
 
-/// Replaces the distributions of a scene, and returns the files that they are read from.
+/// Replaces the distributions of a scene. Returns the files that they are read from, and `true` if
+/// the number of runs is the default.
 ///
 /// # Errors
 /// If a table at the path of a number is not a distribution.
-pub(crate) fn replace(root: &mut Node, sources: &[Source]) -> Result<Vec<PathBuf>, Vec<Problem>> {
+pub(crate) fn replace(root: &mut Node, sources: &[Source]) -> Result<(Vec<PathBuf>, bool), Vec<Problem>> {
     let (mut found, mut files, mut problems) = (Vec::new(), Vec::new(), Vec::new());
     find(root, Schema::root(), "", &mut found);
-    let Some(first) = found.first().map(|(_, _, node)| node.place.clone()) else { return Ok(files) };
+    let Some(first) = found.first().map(|(_, _, node)| node.place.clone()) else { return Ok((files, false)) };
     for (path, schema, node) in found {
         match central_value(&path, &node, sources, &mut files) {
             Ok((value, keys)) => {
@@ -55,13 +57,15 @@ pub(crate) fn replace(root: &mut Node, sources: &[Source]) -> Result<Vec<PathBuf
             Err(problem) => problems.push(problem),
         }
     }
+    let mut is_default = false;
     if let Value::Table(table) = &mut root.value
         && ["excitation", "design"].iter().any(|kind| table.contains_key(*kind))
         && !table.contains_key("runs")
     {
+        is_default = true;
         table.insert("runs".to_owned(), Entry { key: first.clone(), node: Node { place: first, value: Value::Integer(RUNS) } });
     }
-    if problems.is_empty() { Ok(files) } else { Err(problems) }
+    if problems.is_empty() { Ok((files, is_default)) } else { Err(problems) }
 }
 
 /// Collects the tables at the paths of numbers.

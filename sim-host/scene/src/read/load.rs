@@ -51,6 +51,8 @@ pub struct Loaded {
     pub repeats: Option<Inherited>,
     /// Values that the user did not set for this transducer or contact.
     pub assumed: Vec<Assumed>,
+    /// `true` if nobody set the number of runs of a scene with distributions.
+    pub default_runs: bool,
 }
 
 /// A scene without grid and comparison, parsed once, for copies with some values changed.
@@ -62,22 +64,36 @@ pub struct Template<'a> {
     names: Vec<String>,
 }
 
+/// Place of a change: the first of a scene's sources.
+const SET: Origin = Origin { source: 0, offset: 0 };
+
 impl Template<'_> {
     /// Returns the scene with these changes, the same as [`Loaded::cell`].
     pub fn scene(&self, sets: &[String]) -> Result<Scene, LoadError> {
-        let origin = Origin { source: 0, offset: 0 };
-        let mut root = self.root.clone();
+        let (mut sources, mut root) = self.sources_and_root();
         let mut problems = Vec::new();
-        for over in sets.iter().filter_map(|set| parse_set(set, origin).ok()) {
+        for over in sets.iter().filter_map(|set| parse_set(set, SET).ok()) {
             overlay(&mut root, over, "", &mut problems);
         }
-        let mut sources: Vec<_> = self.names.iter().map(|name| Source { name: name.clone(), text: String::new() }).collect();
         let found = resolve(&mut root, &mut sources);
         match checked_scene(root, found) {
             Ok(scene) if problems.is_empty() => Ok(scene),
             // Reading the text again gives the places for the report.
             _ => self.loaded.cell(sets).map(|cell| cell.scene),
         }
+    }
+
+    fn assumed_with(&self, keys: &[&str]) -> Vec<Assumed> {
+        let (sources, mut root) = self.sources_and_root();
+        for over in keys.iter().filter_map(|key| parse_set(&format!("{key}=1"), SET).ok()) {
+            overlay(&mut root, over, "", &mut Vec::new());
+        }
+        assumed::find(&root, &sources)
+    }
+
+    fn sources_and_root(&self) -> (Vec<Source>, Node) {
+        let sources = self.names.iter().map(|name| Source { name: name.clone(), text: String::new() });
+        (sources.collect(), self.root.clone())
     }
 }
 
@@ -94,6 +110,14 @@ impl Loaded {
         }
         rules::remove_non_cell_keys(&mut root);
         Ok(Template { loaded: self, root, names })
+    }
+
+    /// Returns the values that the user does not set if these keys are set as well, as in a sweep.
+    pub fn assumed_with(&self, keys: &[&str]) -> Vec<Assumed> {
+        let found = self.template().map_or_else(|_| Vec::new(), |template| template.assumed_with(keys));
+        let own = self.assumed.iter().filter(|own| !keys.contains(&own.key.as_str()));
+        let more: Vec<_> = own.filter(|own| found.iter().all(|other| other.key != own.key)).cloned().collect();
+        [found, more].concat()
     }
 
     /// Returns the paths that the scene was read from: its own, those of its bases, and those of
@@ -212,6 +236,8 @@ struct ReadScene {
     /// Number of sources, at the beginning of the list, that are changes and texts of scenes. The
     /// rest are files of profiles.
     texts: usize,
+    /// `true` if the number of runs is the default of a scene with distributions.
+    default_runs: bool,
 }
 
 /// Reads the texts of a scene, and builds the tree with its changes and the samples of its
@@ -225,16 +251,17 @@ fn read(name: &str, text: &str, sets: &[String]) -> (Vec<Source>, Result<ReadSce
         let texts = sources.len();
         let mut files = files(&root, &sources);
         files.extend(designed::replace(&mut root, &sources).map_err(|problem| vec![problem])?);
-        files.extend(distribution::replace(&mut root, &sources)?);
+        let (more, default_runs) = distribution::replace(&mut root, &sources)?;
+        files.extend(more);
         let found = resolve(&mut root, &mut sources);
-        Ok(ReadScene { root, found, files, texts })
+        Ok(ReadScene { root, found, files, texts, default_runs })
     });
     (sources, root)
 }
 
 fn loaded(name: &str, text: &str, sets: &[String], prepare: fn(&mut Node)) -> Result<Loaded, LoadError> {
     let (sources, read) = read(name, text, sets);
-    let ReadScene { mut root, found, .. } = match read {
+    let ReadScene { mut root, found, default_runs, .. } = match read {
         Ok(read) => read,
         Err(problems) => return Err(LoadError::Invalid(Report::new(sources, problems))),
     };
@@ -251,6 +278,7 @@ fn loaded(name: &str, text: &str, sets: &[String], prepare: fn(&mut Node)) -> Re
             run: None,
             repeats: None,
             assumed,
+            default_runs,
         }),
         Err(problems) => Err(LoadError::Invalid(Report::new(sources, problems))),
     }

@@ -31,6 +31,9 @@ use crate::run::LANES;
 use scene::load::Loaded;
 use scene::{Driven, Scene};
 
+/// Largest number of runs if nobody set it.
+const MOST_DEFAULT_RUNS: u32 = 4096;
+
 /// Name of a flaw, and test for it.
 type Flaw = (&'static str, fn(&OneRun) -> bool);
 
@@ -158,7 +161,13 @@ impl MonteCarlo {
     }
 }
 
-/// Runs a scene `runs` times, in parallel, and combines the metrics. If it is stopped, it keeps the
+/// Returns the largest number of runs of a scene.
+pub fn most_runs(loaded: &Loaded) -> u32 {
+    if loaded.default_runs { loaded.scene.runs.max(MOST_DEFAULT_RUNS) } else { loaded.scene.runs }
+}
+
+/// Runs a scene `runs` times, in parallel, and combines the metrics. If nobody set that number, it
+/// is doubled until the ends of the main interval are known. If it is stopped, it keeps the
 /// completed runs. `progress` is called with their number.
 pub(super) fn run(loaded: &Loaded, options: Options, stop: &AtomicBool) -> Result<(MonteCarlo, Metrics), StudyError> {
     let Options { start, progress, clock, .. } = options;
@@ -166,16 +175,24 @@ pub(super) fn run(loaded: &Loaded, options: Options, stop: &AtomicBool) -> Resul
     let scene = &loaded.scene;
     let plan = Plan::on(loaded, stop, start, progress.map(|progress| progress as Progress))?;
     let (draws, grid) = (Draws::of(scene), scene.driven().map(|scene| Grid::from_scene(&scene)));
-    let drawn = (1..=scene.runs).map(|number| draws.draw(number)).collect();
     let cell = |draw: &Draw| {
         let sets = draw.sets(&draws.keys);
         Cell { label: format!("of run {} of `{}` ({})", draw.number, loaded.name, sets.join(", ")), sets }
     };
-    let runs = match start {
-        Some(_) => plan.run(drawn, cell, |draw, made| OneRun::read(draw, made, grid.as_ref()))?,
-        None => plan.run_groups(drawn, LANES, cell, |group| OneRun::read_batch(group, grid.as_ref()))?,
-    };
-    let runs: Vec<OneRun> = runs.into_iter().flatten().collect();
+    let (mut runs, mut asked) = (Vec::new(), scene.runs);
+    loop {
+        let drawn = (runs.len() as u32 + 1..=asked).map(|number| draws.draw(number)).collect();
+        let more = match start {
+            Some(_) => plan.run(drawn, cell, |draw, made| OneRun::read(draw, made, grid.as_ref()))?,
+            None => plan.run_groups(drawn, LANES, cell, |group| OneRun::read_batch(group, grid.as_ref()))?,
+        };
+        runs.extend(more.into_iter().flatten());
+        let is_known = uncertainty::end_error_rel(scene, &runs).is_none_or(|error| error < uncertainty::END_ERROR_REL);
+        if is_known || plan.is_stopped() || 2 * asked > most_runs(loaded) {
+            break;
+        }
+        asked *= 2;
+    }
     let wall_s = clock.zip(began).map(|(clock, began)| (clock() - began).as_secs_f64());
     let Statistics { mut metrics, endless } = statistics::combine(runs.iter().map(|run| &run.metrics));
     metrics.put("runs_completed", runs.len() as f64);
@@ -184,8 +201,5 @@ pub(super) fn run(loaded: &Loaded, options: Options, stop: &AtomicBool) -> Resul
         metrics.put("runs_faulted", runs.iter().filter(|run| run.faulted()).count() as f64);
     }
     let times_ms = grid.map_or_else(Vec::new, |grid| grid.times_s.iter().map(|s| 1e3 * s).collect());
-    Ok((
-        MonteCarlo { keys: draws.keys, level: Level::from_start(start), asked: scene.runs, runs, endless, times_ms, wall_s },
-        metrics,
-    ))
+    Ok((MonteCarlo { keys: draws.keys, level: Level::from_start(start), asked, runs, endless, times_ms, wall_s }, metrics))
 }

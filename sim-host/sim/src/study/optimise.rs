@@ -180,11 +180,17 @@ impl Answer {
             "samples": self.samples,
             "failures": self.runs.iter().filter(|run| run.failure.is_some()).count(),
             "unsettled": self.unsettled,
+            "assumed": question.loaded.assumed_with(&question.keys()),
         })
     }
 }
 
 impl<'a> Question<'a> {
+    /// Returns the keys.
+    pub fn keys(&self) -> Vec<&str> {
+        self.ranges.iter().map(|range| range.key.as_str()).collect()
+    }
+
     /// Creates a question for an objective, with further metrics to report and a number of runs.
     pub fn new(
         loaded: &'a Loaded,

@@ -112,6 +112,7 @@ impl Answer {
             "samples": self.samples,
             "failures": self.failures,
             "unsettled": self.unsettled,
+            "assumed": question.loaded.assumed_with(&[&question.range.key]),
         })
     }
 }

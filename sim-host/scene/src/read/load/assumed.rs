@@ -33,6 +33,13 @@ impl Assumed {
         format!("{} = {} ({origin})", self.key, self.value)
     }
 
+    /// Returns a remark on these values, if there are any.
+    pub fn remark(all: &[Self]) -> Option<String> {
+        let values: Vec<String> = all.iter().map(Assumed::text).collect();
+        let follow = "Results that follow from them are marked \"assumed\"";
+        (!values.is_empty()).then(|| format!("Assumed, because you did not set them: {}. {follow}.", values.join(", ")))
+    }
+
     /// Returns `true` if the value belongs to a contact, `false` if it belongs to a stack.
     pub fn is_contact(&self) -> bool {
         self.key.starts_with("contact.")
@@ -92,6 +99,18 @@ mod tests {
         assert!(assumed(mine, &given).is_empty());
         // Another excitation of the same contact.
         assert!(assumed("base = \"contact-kinematic\"\n", &["excitation.frequency_hz=70e3"]).is_empty());
+    }
+
+    #[test]
+    fn a_key_of_a_sweep_is_given_and_the_rest_of_its_contact_assumed() {
+        let loaded = load("contact-kinematic", &[]).expect("built in");
+        let keys = |keys: &[&str]| loaded.assumed_with(keys).into_iter().map(|assumed| assumed.key).collect::<Vec<_>>();
+        assert_eq!(keys(&["excitation.velocity_ratio"]), [""; 0]);
+        assert_eq!(keys(&["contact.dahl.mu"]), ["contact.dahl.normal_n", "contact.dahl.stiffness_n_per_m"]);
+        assert_eq!(keys(&["contact.dahl.mu", "contact.dahl.stiffness_n_per_m"]), ["contact.dahl.normal_n"]);
+        let mine = load_text("mine.toml", "base = \"lock\"\n[stack.bvd]\nq = 200\n", &[]).expect("valid");
+        assert_eq!(mine.assumed_with(&["stack.bvd.q"]).len(), 1);
+        assert!(mine.assumed_with(&["stack.bvd.force_factor_n_per_v"]).is_empty());
     }
 
     #[test]

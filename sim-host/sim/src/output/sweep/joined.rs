@@ -17,6 +17,7 @@ use crate::output::{Folder, Owner, Presentation};
 use crate::study::sweep::Rows;
 use crate::study::sweep::sensitivity::{self, Sensitivity};
 use report::TableBlock;
+use scene::load::Assumed;
 
 /// Maximum number of missing ranges that a message lists.
 const MAX_LISTED_RANGES: usize = 4;
@@ -39,6 +40,8 @@ pub struct Joined {
     pub names: (Vec<String>, Vec<String>),
     /// Rows of all points, if these are at most 10 000.
     pub rows: Option<Rows>,
+    /// Values that the user did not set.
+    pub assumed: Vec<Assumed>,
     /// Path of the page.
     pub page: PathBuf,
 }
@@ -90,7 +93,8 @@ pub fn join(dirs: &[PathBuf], target: &Path, shown: &Presentation) -> Result<Joi
     drop(file);
     folder.finish(json!({ "scene": plan.scene(), "plan_hash": plan.hash(), "complete": true }))?;
     let names = (layout.keys, layout.metrics);
-    Ok(Joined { points: plan.count(), failures, absent, tables: written, names, rows, page: target.join(super::PAGE) })
+    let (assumed, page) = (plan.assumed(), target.join(super::PAGE));
+    Ok(Joined { points: plan.count(), failures, absent, tables: written, names, rows, assumed, page })
 }
 
 /// Returns the common plan of all folders.

@@ -10,6 +10,7 @@ use crate::study::sweep::{Rows, figures, unit};
 use crate::tables::misfit::misfits;
 use report::statistics::{ascending, quantile};
 use report::{Report, TableBlock};
+use scene::load::Assumed;
 use scene::shown;
 
 /// Maximum number of points that are drawn, because a figure stores all of its columns.
@@ -31,13 +32,14 @@ pub(super) fn write(
 ) -> Result<Vec<TableBlock>, FolderError> {
     let (title, source) = plan.title();
     let few = rows.filter(|_| file.count() <= MAX_PRINTED_POINTS);
-    let first = few.map_or_else(|| metrics(layout, file), |rows| Ok(values(layout, rows)))?;
+    let first = few.map_or_else(|| metrics(plan, layout, file), |rows| Ok(values(plan, layout, rows)))?;
     let tables = [vec![first], self::indices(layout, indices)].concat();
     let changes = plan.changes().join(", ");
     let mut paragraphs = vec![points(plan)];
     if !changes.is_empty() {
         paragraphs.push(format!("Changed at all points: {changes}."));
     }
+    paragraphs.extend(Assumed::remark(&plan.assumed()));
     paragraphs.extend(misfits(plan.resolved_scene(), layout.keys.iter().map(String::as_str)));
     let drawn = plan.count() <= MAX_DRAWN_POINTS;
     if !drawn {
@@ -50,7 +52,7 @@ pub(super) fn write(
     for metric in layout.metrics.iter().take(MAX_TILES) {
         let ([low, _, high], _) = spread(file, metric)?;
         let unit = Some(unit(metric)).filter(|unit| unit != "1").map_or_else(String::new, |unit| format!(" {unit}"));
-        summary.push((figures::words(metric), format!("{low} to {high}{unit}")));
+        summary.push((figures::words(metric), format!("{low} to {high}{unit}{}", plan.mark(metric))));
     }
     let counts = [("points", plan.count()), ("without result", failures)].into_iter().filter(|(_, count)| *count > 0);
     summary.extend(counts.map(|(label, count)| (label.to_owned(), count.to_string())));
@@ -122,10 +124,10 @@ fn keys(layout: &Layout, file: &RowsFile) -> Result<TableBlock, FolderError> {
 }
 
 /// Returns the values of all points, one row each.
-fn values(layout: &Layout, rows: &Rows) -> TableBlock {
+fn values(plan: &PlanFile, layout: &Layout, rows: &Rows) -> TableBlock {
     let heading = |name: &String| match unit(name).as_str() {
-        "1" => name.clone(),
-        unit => format!("{name} [{unit}]"),
+        "1" => format!("{name}{}", plan.mark(name)),
+        unit => format!("{name} [{unit}]{}", plan.mark(name)),
     };
     let faults = rows.fault_codes.iter().flatten().any(|code| *code != 0);
     let header = layout
@@ -149,12 +151,12 @@ fn values(layout: &Layout, rows: &Rows) -> TableBlock {
     TableBlock::new("points", "Points", &more, &header.collect::<Vec<_>>(), cells)
 }
 
-fn metrics(layout: &Layout, file: &RowsFile) -> Result<TableBlock, FolderError> {
+fn metrics(plan: &PlanFile, layout: &Layout, file: &RowsFile) -> Result<TableBlock, FolderError> {
     let row = |metric: &String| {
         let ([low, median, high], present) = spread(file, metric)?;
         let [least, largest] = if low == high { Default::default() } else { places(layout, file, metric)? };
         let without = (file.count() - present).to_string();
-        Ok(vec![metric.clone(), unit(metric), low, least, median, high, largest, without])
+        Ok(vec![format!("{metric}{}", plan.mark(metric)), unit(metric), low, least, median, high, largest, without])
     };
     let rows = layout.metrics.iter().map(row).collect::<Result<Vec<_>, FolderError>>()?;
     Ok(TableBlock::new(

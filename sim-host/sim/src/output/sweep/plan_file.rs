@@ -7,6 +7,7 @@ use std::ops::Range;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
+use serde::Deserialize;
 use serde_json::{Value, json};
 
 use super::rows_file::{Layout, RowsFile, RowsWriter};
@@ -14,6 +15,8 @@ use super::{FolderError, PLAN, Part};
 use crate::record::text_hash;
 use crate::study::sweep::design::Shape;
 use crate::study::sweep::{Sweep, unit};
+use crate::tables::mark;
+use scene::load::Assumed;
 use scene::resolved::resolved_json;
 
 /// Field with the hash of all others.
@@ -48,6 +51,10 @@ impl PlanFile {
             "keys": keys, "metrics": metrics, "all_metrics": sweep.all, "design": sweep.design.json(),
             "resolved_scene": resolved_json(&sweep.loaded.scene),
         });
+        let assumed = sweep.loaded.assumed_with(&sweep.design.keys());
+        if !assumed.is_empty() {
+            json["assumed"] = json!(assumed);
+        }
         json[HASH] = hash(&json);
         Self::from_json(json).unwrap_or_else(|| unreachable!("a plan has all its fields"))
     }
@@ -155,6 +162,16 @@ impl PlanFile {
     /// Returns the scene with all its defaults.
     pub fn resolved_scene(&self) -> &Value {
         &self.json["resolved_scene"]
+    }
+
+    /// Returns the values that the user did not set.
+    pub fn assumed(&self) -> Vec<Assumed> {
+        self.json.get("assumed").and_then(|assumed| Vec::deserialize(assumed).ok()).unwrap_or_default()
+    }
+
+    /// Returns a metric's mark, if it follows from one of them.
+    pub fn mark(&self, metric: &str) -> &'static str {
+        mark(&self.assumed(), self.resolved_scene().get("controller").is_some(), metric)
     }
 
     /// Returns title and source of the scene.

@@ -103,12 +103,20 @@ pub fn preface(runs: &MonteCarlo) -> String {
     )
 }
 
-/// Returns a remark on few runs, and the worst run with the command that repeats it.
+/// Returns remarks on few runs and on uncertain ends, and the worst run with the command that repeats it.
 pub fn remarks(study: &Study, runs: &MonteCarlo) -> Vec<String> {
     let few = (runs.runs.len() < MIN_INTERVAL_RUNS && !uncertainty::intervals(study.scene, runs).is_empty()).then(|| {
         format!("With fewer than {MIN_INTERVAL_RUNS} runs, the ends of an interval are the smallest and the largest value.")
     });
-    few.into_iter().chain(worst(study, runs)).collect()
+    let unknown = uncertainty::end_error_rel(study.scene, &runs.runs).filter(|error| *error >= uncertainty::END_ERROR_REL);
+    let unknown = unknown.filter(|_| few.is_none()).map(|error| {
+        format!(
+            "An end of the interval has a standard error of {} % of its width after {} runs: more --samples narrow it down.",
+            number((100.0 * error).round()),
+            runs.runs.len()
+        )
+    });
+    few.into_iter().chain(unknown).chain(worst(study, runs)).collect()
 }
 
 fn worst(study: &Study, runs: &MonteCarlo) -> Option<String> {

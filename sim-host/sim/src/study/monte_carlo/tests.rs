@@ -121,6 +121,25 @@ fn stopped_runs_are_left_out() {
 }
 
 /// Flaws are worse than long times, and a missing lock is worse than a late one.
+/// One of 33 values is another one: the end of the interval is uncertain until there are so many
+/// runs that the part beyond it differs from 1 in 33.
+#[test]
+fn the_default_number_of_runs_grows_until_the_interval_is_known() {
+    let list = format!("contact.dahl.mu={{ samples = [{}0.4] }}", "0.1, ".repeat(32));
+    let runs = |sets: &[&str]| {
+        let sets: Vec<String> = sets.iter().map(|&set| set.to_owned()).collect();
+        let loaded = load("contact-kinematic", &[&[list.clone(), "grid=false".into()], &sets[..]].concat()).unwrap();
+        let study = studied(&loaded);
+        let runs = study.monte_carlo().unwrap();
+        let is_remarked = crate::tables::remarks(&study).iter().any(|remark| remark.contains("standard error"));
+        (runs.runs.len(), runs.asked, is_remarked)
+    };
+    let (count, asked, is_remarked) = runs(&[]);
+    assert!((1024..=2048).contains(&count) && asked == count as u32 && !is_remarked, "{count} {asked}");
+    assert_eq!(runs(&["runs=256"]), (256, 256, true));
+    assert_eq!(runs(&["contact.dahl.mu={ low = 0.1, high = 0.4 }"]), (256, 256, false));
+}
+
 #[test]
 fn the_worst_run_is_named() {
     let run = |number: u32, metrics: &[(&'static str, f64)]| {

@@ -7,7 +7,7 @@
 //! 1993). The rest is due to interactions of the keys, and to noise. Keys that are drawn together
 //! have one part, with their products. The expected part that noise adds to a fit is subtracted.
 
-use super::{MonteCarlo, statistics};
+use super::{MonteCarlo, OneRun, statistics};
 use crate::instruments::{self, Line};
 use crate::study::contact::table;
 use crate::study::design;
@@ -19,6 +19,9 @@ use scene::Scene;
 const MAX_DEGREE: usize = 4;
 /// Number of runs for each fitted number.
 const RUNS_PER_COEFFICIENT: usize = 10;
+/// Largest standard error of an end of an interval, relative to its width, for which no more runs
+/// are made.
+pub const END_ERROR_REL: f64 = 0.1;
 /// Number of headline intervals.
 const INTERVALS: usize = 3;
 /// Number of passes of the fit.
@@ -82,10 +85,29 @@ pub(super) fn lines(scene: &Scene) -> Vec<Line> {
     lines
 }
 
+/// Returns the larger standard error of the two ends of the main interval, relative to its width:
+/// half the distance between the values one standard deviation of the rank below and above the end.
+/// `None` without an interval. For an even sequence of draws it is an upper bound.
+pub fn end_error_rel(scene: &Scene, runs: &[OneRun]) -> Option<f64> {
+    let interval = of_runs(scene, runs).into_iter().next()?;
+    let values = ascending(runs.iter().filter_map(|run| run.metrics.get(interval.line.1)));
+    let (last, count) = (values.len() as f64 - 1.0, values.len() as f64);
+    let error = |part: f64| {
+        let (rank, sigma) = (part * last, (count * part * (1.0 - part)).sqrt());
+        let at = |rank: f64| values[rank.round().clamp(0.0, last) as usize];
+        0.5 * (at(rank + sigma) - at(rank - sigma))
+    };
+    Some(error(0.025).max(error(0.975)) / (interval.ends[1] - interval.ends[0]))
+}
+
 /// Returns the intervals of the main metrics that differ between the runs.
 pub fn intervals(scene: &Scene, runs: &MonteCarlo) -> Vec<Interval> {
+    of_runs(scene, &runs.runs)
+}
+
+fn of_runs(scene: &Scene, runs: &[OneRun]) -> Vec<Interval> {
     let interval = |line: Line| {
-        let spread = statistics::spread(line.1, runs.runs.iter().map(|run| &run.metrics))?;
+        let spread = statistics::spread(line.1, runs.iter().map(|run| &run.metrics))?;
         let finite = spread.interval.iter().all(|end| end.is_finite()) && spread.interval[0] < spread.interval[1];
         finite.then_some(Interval { line, median: spread.median, ends: spread.interval })
     };

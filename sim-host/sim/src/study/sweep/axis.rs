@@ -112,6 +112,11 @@ impl Axis {
         matches!(self.values, Values::Range { log: true, .. })
     }
 
+    /// Returns the value at a part of the distance between two values.
+    pub fn between(&self, from: f64, to: f64, part: f64) -> f64 {
+        between(from, to, self.is_log(), part)
+    }
+
     /// Returns `true` if the values are listed, and so may be unevenly spaced.
     pub fn is_list(&self) -> bool {
         matches!(self.values, Values::List(_))
