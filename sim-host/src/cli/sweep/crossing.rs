@@ -135,7 +135,7 @@ mod tests {
         for point in 0..design.count() {
             let values = design.values(point);
             let metric = of(&values);
-            rows.points.push(point);
+            rows.points.push(point as i64);
             rows.keys.iter_mut().zip(&values).for_each(|(column, value)| column.push(*value));
             rows.metrics[0].push(metric);
         }
