@@ -32,6 +32,7 @@ pub(super) fn draw(data: &Data, (rows, columns): (u64, u64)) -> Figure {
             range,
             label: axis(data.metric).label,
             csv_column: data.metric.to_owned(),
+            ..HeatMap::default()
         }),
         ..figure("map", title, &format!("Each cell is a separate run; cells without a value are hatched.{thinned}"), data)
     }
