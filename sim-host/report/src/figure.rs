@@ -109,6 +109,8 @@ pub struct HeatMap {
     pub columns: Vec<Vec<f64>>,
     /// Values of the darkest and the lightest colour; values beyond have the colour of that end.
     pub range: (f64, f64),
+    /// Levels with a contour line and its label.
+    pub contours: Vec<f64>,
     /// Quantity and unit of the values, such as `power [dB]`.
     pub label: String,
     /// Name of the columns in the CSV, with the unit; the row's position on the vertical axis is

@@ -4,6 +4,7 @@ mod axis;
 mod chart;
 mod clip;
 mod colour_map;
+mod contour;
 mod crash_section;
 mod curve;
 mod draw;

@@ -52,6 +52,7 @@ fn map((key, least, most, rows): (&str, f64, f64, u32), set: &[&str]) -> Grid {
     Grid {
         title: String::new(),
         metrics: vec!["friction_ratio".to_owned()],
+        contours: Vec::new(),
         over: vec![axis(key, least, most, rows, true), axis(RATIO, 0.0012, 1.2, SIDE, false)],
         set: set.iter().map(|&set| set.to_owned()).collect(),
     }

@@ -25,7 +25,8 @@ fn own(study: &Study) -> Vec<Figure> {
 
 /// Returns the figures of a scene's grid.
 fn of_grid(grid: &GridResult) -> Vec<Figure> {
-    let figures = points::all(&grid.design.shape(), &grid.keys(), &grid.metrics, |name| grid.column(name).ok_or(()));
+    let column = |name: &str| grid.column(name).ok_or(());
+    let figures = points::all(&grid.design.shape(), &grid.keys(), &grid.metrics, &grid.grid.contours, column);
     let named = |figure: Figure| Figure { id: format!("grid-{}", figure.id), ..figure };
     figures.into_iter().flatten().map(named).collect()
 }

@@ -86,11 +86,13 @@ pub enum OutputError {
     Grid(#[source] csv::Error),
 }
 
-/// Presentation of a folder's results: size and formats of the figures, and provenance.
+/// Presentation of a folder's results: figures, and provenance.
 #[derive(Clone, Debug, Default)]
 pub struct Presentation {
     /// Size and formats of the figures.
     pub drawing: Drawing,
+    /// Levels of the contour lines in the maps of a sweep.
+    pub contours: Vec<f64>,
     /// Command, commit and date.
     pub provenance: Provenance,
 }

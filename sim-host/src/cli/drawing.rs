@@ -36,7 +36,7 @@ pub(super) struct DrawingArgs {
 impl DrawingArgs {
     /// Returns the options of a report and its provenance.
     pub(super) fn presentation(&self) -> Presentation {
-        Presentation { drawing: self.drawing(), provenance: provenance() }
+        Presentation { drawing: self.drawing(), contours: Vec::new(), provenance: provenance() }
     }
 
     /// Returns the options of figures, with each format once.

@@ -16,8 +16,8 @@ use self::progress::Progress;
 use super::solve::note_keys;
 use super::{Color, DrawingArgs, Exit, Format, ResultArgs, interrupts, mistake};
 use scene::load::{Loaded, load};
-use sim::output::default_dir;
 use sim::output::sweep::{FolderError, Joined, Shard, SweepFolder, join};
+use sim::output::{Presentation, default_dir};
 use sim::study::sweep::design::Design;
 use sim::study::sweep::{Rows, Sweep, SweepError, is_of_overlays};
 
@@ -70,6 +70,19 @@ pub(super) struct SweepArgs {
     shard: Shard,
     #[command(flatten)]
     drawing: DrawingArgs,
+    /// Levels of contour lines in the maps over two keys, in the unit of the metric, for example
+    /// `0.5,0.9`.
+    #[arg(long, value_name = "LEVEL,…", value_delimiter = ',', value_parser = level, allow_hyphen_values = true)]
+    contour: Vec<f64>,
+}
+
+fn presentation(drawing: &DrawingArgs, contours: &[f64]) -> Presentation {
+    Presentation { contours: contours.to_vec(), ..drawing.presentation() }
+}
+
+/// Parses the level of a contour line.
+fn level(text: &str) -> Result<f64, String> {
+    text.parse().ok().filter(|level: &f64| level.is_finite()).ok_or_else(|| "must be a number".to_owned())
 }
 
 #[derive(Args)]
@@ -82,6 +95,10 @@ pub(super) struct MergeArgs {
     result: ResultArgs,
     #[command(flatten)]
     drawing: DrawingArgs,
+    /// Levels of contour lines in the maps over two keys, in the unit of the metric, for example
+    /// `0.5,0.9`.
+    #[arg(long, value_name = "LEVEL,…", value_delimiter = ',', value_parser = level, allow_hyphen_values = true)]
+    contour: Vec<f64>,
 }
 
 /// Runs a sweep, or continues one.
@@ -172,7 +189,7 @@ fn sweep_into(args: &SweepArgs, loaded: &Loaded, sweep: &Sweep, color: Color) ->
         if !folder.is_whole()? {
             return Ok(Some(None));
         }
-        join(std::slice::from_ref(&dir), &dir, &args.drawing.presentation()).map(|joined| Some(Some(joined)))
+        join(std::slice::from_ref(&dir), &dir, &presentation(&args.drawing, &args.contour)).map(|joined| Some(Some(joined)))
     };
     let done = run()?;
     if args.result.format == Format::Json && !matches!(done, Some(Some(_))) {
@@ -204,7 +221,7 @@ fn sweep_into(args: &SweepArgs, loaded: &Loaded, sweep: &Sweep, color: Color) ->
 /// Joins the shards of a sweep.
 pub(super) fn merge(args: &MergeArgs, color: Color) -> anyhow::Result<Exit> {
     let target = args.result.output.as_ref().unwrap_or(&args.dirs[0]);
-    show((&join(&args.dirs, target, &args.drawing.presentation())?, None), target, &args.result, color)
+    show((&join(&args.dirs, target, &presentation(&args.drawing, &args.contour))?, None), target, &args.result, color)
 }
 
 /// Returns a row for programs: its point, keys and metrics, the fault that ended the run, or the

@@ -175,6 +175,7 @@ impl Spectrogram {
                 range: (-COLOUR_RANGE_DB, 0.0),
                 label: "power [dB]".into(),
                 csv_column: "power_db".into(),
+                ..HeatMap::default()
             }),
             ..Figure::default()
         }

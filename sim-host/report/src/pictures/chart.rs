@@ -105,6 +105,7 @@ impl<DB: DrawingBackend> Plot<'_, '_, DB> {
             .draw()?;
         if let Some(map) = &self.figure.map {
             self.heat(&chart, map)?;
+            self.contours(&chart, map)?;
             self.colour_bar(map, layout)?;
         }
         self.reference_lines(&mut chart)?;

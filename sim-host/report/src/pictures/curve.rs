@@ -37,11 +37,11 @@ impl<DB: DrawingBackend> Plot<'_, '_, DB> {
             let (xs, ys): (Vec<f64>, Vec<f64>) = piece.into_iter().unzip();
             let share = (decimate::MAX_POINTS * xs.len()).div_ceil(total);
             let indices = decimate::keep(&[&xs, &ys], share);
-            let path = indices.into_iter().map(|i| (xs[i], ys[i])).collect();
+            let path: Vec<_> = indices.into_iter().map(|i| (xs[i], ys[i])).collect();
             if series.style == Style::Dashed {
                 self.dashes(chart, path, color, 3.5)?;
             } else {
-                self.stroke(chart, path, color, 3.0)?;
+                self.stroke(chart, &path, color, 3.0)?;
             }
         }
         Ok(())
@@ -52,10 +52,10 @@ impl<DB: DrawingBackend> Plot<'_, '_, DB> {
     }
 
     /// Draws a solid line along a path.
-    fn stroke(&self, chart: &mut Chart<DB>, path: Vec<(f64, f64)>, color: RGBColor, width: f64) -> Result<(), Failure<DB>> {
+    pub(super) fn stroke(&self, chart: &Chart<DB>, path: &[(f64, f64)], color: RGBColor, width: f64) -> Result<(), Failure<DB>> {
         let style = self.sheet.pen.line(color, width);
         if self.sheet.pen.whole_paths {
-            return chart.plotting_area().draw(&PathElement::new(path, style));
+            return chart.plotting_area().draw(&PathElement::new(path.to_vec(), style));
         }
         // Segments are drawn one by one, with round joints, to avoid holes.
         let joint = style.stroke_width / 2;

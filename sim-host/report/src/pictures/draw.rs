@@ -336,13 +336,14 @@ mod tests {
         let columns = (0..40).map(|x| (0..20).map(|y| f64::from(x * y)).collect()).collect();
         let map =
             HeatMap { x: (0.0, 4.0), y: (0.0, 1.0), columns, range: (0.0, 600.0), label: "value".into(), ..HeatMap::default() };
-        let figure = Figure { map: Some(map), ..Figure::default() };
+        let figure = Figure { map: Some(HeatMap { contours: vec![55.5, 999.0], ..map }), ..Figure::default() };
         let document = svg(&figure, SCREEN).unwrap();
         let image = document.split("<image ").nth(1).unwrap().split("/>").next().unwrap();
         assert!(
             image.contains("preserveAspectRatio=\"none\"") && image.contains("href=\"data:image/png;base64,iVBOR"),
             "{image}"
         );
+        assert!(document.contains("\n55.5\n") && !document.contains("\n999\n"), "a level is labelled where it is reached");
         assert!(!image.contains("width=\"40\"") && document.len() < 60_000, "{}", document.len());
     }
 

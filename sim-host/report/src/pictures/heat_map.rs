@@ -9,11 +9,12 @@ use base64::engine::general_purpose::STANDARD;
 use plotters::element::{BitMapElement, PathElement, Rectangle};
 use plotters::prelude::DrawingBackend;
 use plotters::style::text_anchor::HPos;
-use plotters::style::{Color, RGBColor};
+use plotters::style::{Color, RGBColor, WHITE};
 
 use super::axis::Scale;
 use super::chart::{Chart, Layout, Plot, TICK_SIZE};
 use super::colour_map::colour;
+use super::contour;
 use super::sheet::{Failure, Lettering};
 use super::style::{FRAME, INK, MUTED};
 use crate::figure::{Axis, HeatMap};
@@ -33,6 +34,8 @@ const BAR_GAP: f64 = 26.0;
 const BAR_WIDTH: f64 = 26.0;
 /// Number of steps of the bar, more than a screen can resolve.
 const BAR_STEPS: u32 = 128;
+/// Places of a label along its contour line, the best first.
+const LABEL_PARTS: [f64; 5] = [0.5, 0.375, 0.625, 0.25, 0.75];
 
 impl HeatMap {
     /// Returns the scales of the axes: exactly the map.
@@ -85,6 +88,40 @@ impl<DB: DrawingBackend> Plot<'_, '_, DB> {
         let picture =
             BitMapElement::with_owned_buffer((columns.start, rows.start), (size.0 as u32, size.1 as u32), map.pixels(size));
         picture.map_or(Ok(()), |picture| self.sheet.root.draw(&picture))
+    }
+
+    /// Draws the contour lines, each level with a label on its longest line.
+    pub(super) fn contours(&self, chart: &Chart<DB>, map: &HeatMap) -> Result<(), Failure<DB>> {
+        let (columns, rows) = (map.columns.len() as f64, map.size().1 as f64);
+        let place = |(x, y)| {
+            let shares = ((x + 0.5) / columns, (y + 0.5) / rows);
+            (self.x.low + shares.0 * self.x.extent(), self.y.low + shares.1 * self.y.extent())
+        };
+        let (edges, height) = (chart.plotting_area().get_pixel_range().0, self.sheet.pen.px(1.2 * TICK_SIZE));
+        // Each label with its place and half its width.
+        let mut labels: Vec<(String, (i32, i32), i32)> = Vec::new();
+        for &level in &map.contours {
+            let lines = contour::lines(&map.columns, level).into_iter();
+            let lines: Vec<Vec<(f64, f64)>> = lines.map(|line| line.into_iter().map(place).collect()).collect();
+            // Dark on a light edge, a line is visible on every colour.
+            for (ink, width) in [(WHITE, 4.5), (INK, 2.0)] {
+                lines.iter().try_for_each(|line| self.stroke(chart, line, ink, width))?;
+            }
+            let Some(longest) = lines.iter().max_by_key(|line| line.len()) else { continue };
+            let text = level.to_string().replace('-', "−");
+            let half = self.sheet.text_pixels(&text, TICK_SIZE) / 2 + height / 4;
+            let at = |part: f64| {
+                let (x, y) = chart.backend_coord(&longest[(part * (longest.len() - 1) as f64) as usize]);
+                (x.min(edges.end - half).max(edges.start + half), y)
+            };
+            let is_free = |&(x, y): &(i32, i32)| {
+                labels.iter().all(|(_, at, other)| (at.0 - x).abs() > half + other || (at.1 - y).abs() > height)
+            };
+            let free = LABEL_PARTS.map(at).into_iter().find(is_free).unwrap_or_else(|| at(LABEL_PARTS[0]));
+            labels.push((text, free, half));
+        }
+        let look = Lettering { size: TICK_SIZE, color: INK, hold: HPos::Center };
+        labels.iter().try_for_each(|(text, place, _)| self.sheet.note(text, look, WHITE, *place))
     }
 
     /// Draws the bar of colours to the right of the plot, with its own axis.

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use super::crash_section;
 use super::draw::{self, Canvas};
-use super::plot_data::{can_zoom, plot_data};
+use super::plot_data::{can_zoom, map_data, plot_data};
 use super::prepare::{panel as lower, prepared};
 use crate::TableBlock;
 use crate::drawing::PictureFormat;
@@ -18,6 +18,7 @@ const STYLE: [&str; 2] = [include_str!("../../assets/uPlot.min.css"), include_st
 const PLOT_LIBRARY: &str = include_str!("../../assets/uPlot.iife.min.js");
 const PLOT_LICENSE: &str = include_str!("../../assets/uPlot.LICENSE");
 const SCRIPT: &str = include_str!("../../assets/report.js");
+const MAP_SCRIPT: &str = include_str!("../../assets/map.js");
 
 /// Content security policy. Pictures may be part of the page, as for maps; pictures of other
 /// origins are not loaded.
@@ -204,7 +205,17 @@ fn panel(figure: &Figure, formats: &[PictureFormat]) -> Result<String, String> {
         let shape = if figure.is_plane() { "card square" } else { "card" };
         let label = escape(&figure.title);
         let picture = draw::svg(figure, Canvas { untitled: true, ..Canvas::default() })?;
-        format!("<div class=\"{shape}\" role=\"img\" aria-label=\"{label}\">\n{picture}</div>\n")
+        let picture = format!("role=\"img\" aria-label=\"{label}\">\n{picture}</div>\n");
+        let drawn = prepared(figure);
+        match drawn.map.as_ref().filter(|_| figure.interactive) {
+            Some(map) => format!(
+                "<div class=\"card map\" tabindex=\"0\" role=\"group\" aria-label=\"{label}\">\n<div {picture}\
+                 <output aria-live=\"polite\"></output>\n<p class=\"hint\"></p>\n\
+                 <script type=\"application/json\">{}</script>\n</div>\n",
+                map_data(&drawn, map).to_string().replace('<', "\\u003c")
+            ),
+            None => format!("<div class=\"{shape}\" {picture}"),
+        }
     };
     let files: Vec<String> = formats
         .iter()
@@ -236,12 +247,14 @@ fn scripts(figures: &[Figure]) -> Result<String, String> {
     // Each plot of a figure, and the number of curves above it.
     let plots: Vec<(Figure, usize)> = drawn.into_iter().flat_map(plots).collect();
     let data: Vec<_> = plots.iter().map(|(figure, first)| plot_data(figure, *first)).collect();
+    let reads_maps = figures.iter().any(|figure| figure.interactive && figure.map.is_some());
+    let maps = if reads_maps { format!("<script>\n{MAP_SCRIPT}</script>\n") } else { String::new() };
     if data.is_empty() {
-        return Ok(String::new());
+        return Ok(maps);
     }
     let json = serde_json::to_string(&data).map_err(|e| e.to_string())?.replace('<', "\\u003c");
     Ok(format!(
-        "<script>/*\n{PLOT_LICENSE}*/\n{PLOT_LIBRARY}</script>\n\
+        "{maps}<script>/*\n{PLOT_LICENSE}*/\n{PLOT_LIBRARY}</script>\n\
          <script id=\"figure-data\" type=\"application/json\">{json}</script>\n\
          <script>\n{SCRIPT}</script>\n"
     ))
@@ -264,7 +277,7 @@ fn plots(figure: Figure) -> Vec<(Figure, usize)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::figure::Series;
+    use crate::figure::{HeatMap, Series};
 
     const EVIL: &str = "</script><b onclick=\"x\">&'\u{1b}[2J\0";
 
@@ -311,6 +324,9 @@ mod tests {
         assert!(with(figure(true)).contains("uPlot="));
         assert!(!with(figure(false)).contains("<script"));
         assert!(with(figure(false)).contains("<svg "));
+        let cells = HeatMap { columns: vec![vec![0.5; 2]; 2], label: EVIL.into(), ..HeatMap::default() };
+        let map = with(Figure { map: Some(cells), ..figure(true) });
+        assert!(map.contains("class=\"card map\"") && !map.contains("uPlot=") && map.matches("</script>").count() == 2);
     }
 
     /// The answer and its figure are before everything else.

@@ -4,11 +4,13 @@
 //! data.
 
 use serde::Serialize;
+use serde_json::{Value, json};
 
 use super::extent::scales;
 use super::style::{css, series_color};
 use crate::decimate;
-use crate::figure::{Figure, Series, Style};
+use crate::digits::rounded;
+use crate::figure::{Figure, HeatMap, Series, Style};
 
 /// A figure, as the script reads it.
 #[derive(Debug, Serialize)]
@@ -71,7 +73,7 @@ fn curve<'a>(figure: &Figure, index: usize, series: &'a Series) -> Curve<'a> {
     // A position that does not exist on the axis would make the script reject the whole curve.
     let placed = |x: f64| x.is_finite() && (x > 0.0 || !figure.x.log);
     let indices: Vec<usize> = decimate::keep(&shown, decimate::MAX_POINTS).into_iter().filter(|&i| placed(xs[i])).collect();
-    let value = |y: f64| if y > 0.0 || !figure.y.log { rounded(y) } else { f64::NAN };
+    let value = |y: f64| if y > 0.0 || !figure.y.log { rounded(y, 9) } else { f64::NAN };
     Curve {
         name: &series.name,
         style: match series.style {
@@ -86,6 +88,33 @@ fn curve<'a>(figure: &Figure, index: usize, series: &'a Series) -> Curve<'a> {
     }
 }
 
+/// Returns the values of a map's cells and of the keys at their centres, with names and units.
+pub(super) fn map_data(figure: &Figure, map: &HeatMap) -> Value {
+    let parts = [&figure.x.label, &figure.y.label, &map.label]
+        .map(|label| label.strip_suffix(']').and_then(|label| label.rsplit_once(" [")).unwrap_or((label, "")));
+    let most = 1e-4 * (map.range.1 - map.range.0);
+    let column = |column: &Vec<f64>| column.iter().map(|&value| readable(value, most)).collect::<Vec<_>>();
+    json!({
+        "names": parts.map(|(name, _)| name), "units": parts.map(|(_, unit)| unit),
+        "x": centres(map.x, figure.x.log, map.size().0), "y": centres(map.y, figure.y.log, map.size().1),
+        "columns": map.columns.iter().map(column).collect::<Vec<_>>(),
+    })
+}
+
+/// Returns the values at the centres of `count` cells along an axis, with the digits that
+/// distinguish them.
+fn centres((low, high): (f64, f64), log: bool, count: usize) -> Vec<f64> {
+    let between = |part: f64| if log { low * (high / low).powf(part) } else { low + part * (high - low) };
+    let value = |cell: f64| between(cell / count as f64);
+    let centre = |cell: usize| (value(cell as f64 + 0.5), value(cell as f64 + 1.0));
+    (0..count).map(centre).map(|(centre, edge)| readable(centre, 0.01 * (edge - centre))).collect()
+}
+
+/// Rounds to the fewest digits, but at least four, that change the value by at most `most`.
+fn readable(value: f64, most: f64) -> f64 {
+    (4..=9).map(|digits| rounded(value, digits)).find(|near| (near - value).abs() <= most).unwrap_or(value)
+}
+
 /// Makes equal positions distinct: the script merges samples at equal x, which would flatten a
 /// step.
 fn distinct(places: impl Iterator<Item = f64>) -> Vec<f64> {
@@ -97,21 +126,17 @@ fn distinct(places: impl Iterator<Item = f64>) -> Vec<f64> {
     result
 }
 
-/// Rounds to nine significant digits.
-fn rounded(value: f64) -> f64 {
-    format!("{value:.8e}").parse().unwrap_or(value)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Axis;
 
     fn figure(x: Vec<f64>, y: Vec<f64>) -> Figure {
         let series = vec![Series { x, y, ..Series::default() }];
         Figure { series, interactive: true, ..Figure::default() }
     }
 
-    fn json(figure: &Figure) -> serde_json::Value {
+    fn json(figure: &Figure) -> Value {
         serde_json::to_value(plot_data(figure, 0)).unwrap()
     }
 
@@ -119,6 +144,18 @@ mod tests {
     fn non_finite_values_become_null() {
         let figure = figure(vec![0.0, 1.0, 2.0], vec![f64::NAN, f64::INFINITY, 0.1 + 0.2]);
         assert_eq!(json(&figure)["series"][0]["columns"][0].to_string(), "[null,null,0.3]");
+    }
+
+    #[test]
+    fn cells_of_a_map_are_read_with_their_keys() {
+        let columns = vec![vec![0.123_456, f64::NAN], vec![2e-7, 1.0], vec![0.5, 0.5]];
+        let map = HeatMap { x: (0.5, 3.5), y: (1.0, 1e4), columns, label: "power [W]".into(), ..HeatMap::default() };
+        let y = Axis { log: true, ..Axis::of("stiffness", "N/m") };
+        let data = map_data(&Figure { map: Some(map.clone()), y, ..Figure::default() }, &map);
+        assert_eq!([&data["names"], &data["units"]], [&json!(["", "stiffness", "power"]), &json!(["", "N/m", "W"])]);
+        assert_eq!([&data["x"], &data["y"]], [&json!([1.0, 2.0, 3.0]), &json!([10.0, 1000.0])]);
+        assert_eq!(data["columns"], json!([[0.123456, null], [2e-7, 1.0], [0.5, 0.5]]));
+        assert_eq!([0.01, 1.0].map(|most| readable(39_997.5, most)), [39_997.5, 39_998.0]);
     }
 
     #[test]

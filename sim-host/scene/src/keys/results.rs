@@ -15,6 +15,11 @@ pub struct Grid {
     /// Metrics of each point. Default: all.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub metrics: Vec<String>,
+    /// Levels of the contour lines in the map of each metric, in the unit of the metric. Needs two
+    /// keys with `from`, `to` and `points`.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[schemars(length(max = 16))]
+    pub contours: Vec<f64>,
     /// Keys that change; the last changes fastest.
     #[schemars(length(min = 1, max = 16))]
     pub over: Vec<Over>,

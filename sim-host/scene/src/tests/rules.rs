@@ -139,6 +139,7 @@ fn grid_cells_must_be_valid_scenes() {
     says(&report(example(), &["grid.over.0.log=true"]), &["`log` needs a range"]);
     says(&report(example(), &["grid.over.0.points=3"]), &["`points` needs `from` and `to` as well"]);
     says(&report(example(), &["grid.metrics=[\"friction_on_n\",\"friction_on_n\"]"]), &["a metric appears twice"]);
+    says(&report(example(), &["grid.contours=[nan]"]), &["`grid.contours.0`"]);
     says(&with_line("set", "set = [\"duration_s=0.7\"]"), &["in the cells of the grid: `controller.burst.on_s.0` is 3 s"]);
     says(&with_line("set", "set = [\"a\"]"), &["in the cells of the grid: a change has the form `key=value`", "a.toml:43:8"]);
 }

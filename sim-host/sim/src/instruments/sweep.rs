@@ -198,6 +198,7 @@ fn picture(record: &SweepRecord, map: &Map, frame: &Frame) -> Option<Figure> {
             range: (-frame.floor_db, 0.0),
             label: "power [dB]".into(),
             csv_column: "power_db".into(),
+            ..HeatMap::default()
         }),
         hlines: vec![(record.resonance_hz / 1e3, "series resonance".into())],
         ..Figure::default()

@@ -73,7 +73,7 @@ mod tests {
 
     fn grid(metrics: &[&str], over: Vec<Over>, set: &[&str]) -> Grid {
         let owned = |texts: &[&str]| texts.iter().map(|&text| text.to_owned()).collect();
-        Grid { title: String::new(), metrics: owned(metrics), over, set: owned(set) }
+        Grid { title: String::new(), metrics: owned(metrics), contours: Vec::new(), over, set: owned(set) }
     }
 
     fn result(loaded: &Loaded, grid: &Grid) -> GridResult {

@@ -48,6 +48,7 @@ pub(super) fn write(
     let column = |name: &str| -> Result<Vec<f64>, FolderError> {
         Ok(file.column(name)?.into_iter().map(|value| value.unwrap_or(f64::NAN)).collect())
     };
+    let figures = || figures::all(&plan.shape(), &layout.keys, &layout.metrics, &shown.contours, column);
     let mut summary = Vec::new();
     for metric in layout.metrics.iter().take(MAX_TILES) {
         let ([low, _, high], _) = spread(file, metric)?;
@@ -62,7 +63,7 @@ pub(super) fn write(
         summary,
         paragraphs,
         tables: [vec![keys(layout, file)?], tables.clone()].concat(),
-        figures: if drawn { figures::all(&plan.shape(), &layout.keys, &layout.metrics, column)? } else { Vec::new() },
+        figures: if drawn { figures()? } else { Vec::new() },
         footer: [("scene", plan.scene()), ("plan", plan.hash())]
             .map(|(label, value)| (label.to_owned(), value.to_owned()))
             .into_iter()

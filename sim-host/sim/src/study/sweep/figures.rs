@@ -40,7 +40,8 @@ struct Data<'a> {
 }
 
 /// Returns the figures of a sweep of these keys and metrics. `column` returns the values of a key
-/// or a metric, with NaN for missing ones.
+/// or a metric, with NaN for missing ones. With `contours`, two keys give a map even if one has few
+/// values.
 ///
 /// # Errors
 /// If a column cannot be read.
@@ -48,10 +49,11 @@ pub fn all<E>(
     shape: &Shape,
     keys: &[String],
     metrics: &[String],
+    contours: &[f64],
     column: impl Fn(&str) -> Result<Vec<f64>, E>,
 ) -> Result<Vec<Figure>, E> {
     let values = keys.iter().map(|key| column(key)).collect::<Result<Vec<_>, E>>()?;
-    let mut figures = Vec::new();
+    let mut figures: Vec<Figure> = Vec::new();
     let mut drawn = 0;
     for metric in metrics {
         if drawn == MAX_METRICS {
@@ -60,17 +62,25 @@ pub fn all<E>(
         let results = column(metric)?;
         if varies(&results) {
             drawn += 1;
-            figures.extend(figures_of(shape, &Data { keys, values: &values, metric, logs: &shape.logs, results }));
+            let data = Data { keys, values: &values, metric, logs: &shape.logs, results };
+            figures.extend(figures_of(shape, !contours.is_empty(), &data));
+        }
+    }
+    for figure in &mut figures {
+        match &mut figure.map {
+            Some(map) => map.contours = contours.to_vec(),
+            None if contours.is_empty() => {}
+            None => figure.caption += " Contour lines need two keys with ranges instead of lists.",
         }
     }
     Ok(figures)
 }
 
-fn figures_of(shape: &Shape, data: &Data) -> Vec<Figure> {
+fn figures_of(shape: &Shape, lines: bool, data: &Data) -> Vec<Figure> {
     match (data.keys.len(), shape.counts.as_deref()) {
         (1, _) => vec![lines::curve(data)],
         (2, Some(&[rows, columns])) => {
-            let few = rows.min(columns) <= MAX_FAMILY;
+            let few = rows.min(columns) <= if lines { 1 } else { MAX_FAMILY };
             vec![if few || shape.uneven { lines::family(data, (rows, columns)) } else { map::draw(data, (rows, columns)) }]
         }
         _ => {

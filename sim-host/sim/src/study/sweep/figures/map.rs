@@ -25,6 +25,7 @@ pub(super) fn draw(data: &Data, (rows, columns): (u64, u64)) -> Figure {
     Figure {
         x: data.axis(1),
         y: data.axis(0),
+        interactive: true,
         map: Some(HeatMap {
             x: edges((x[0], x[(cells.len() - 1) * every_x]), cells.len(), data.logs[1]),
             y: edges((y[0], y[(cells[0].len() - 1) * every_y * width]), cells[0].len(), data.logs[0]),
@@ -32,6 +33,7 @@ pub(super) fn draw(data: &Data, (rows, columns): (u64, u64)) -> Figure {
             range,
             label: axis(data.metric).label,
             csv_column: data.metric.to_owned(),
+            ..HeatMap::default()
         }),
         ..figure("map", title, &format!("Each cell is a separate run; cells without a value are hatched.{thinned}"), data)
     }
