@@ -1,7 +1,8 @@
 // The page: choice of the scene, its runs, and the display of the result.
 import { Core, SimulatorError } from "./core.js";
-import { showControls } from "./controls.js";
+import { setKey, showControls } from "./controls.js";
 import { showCrash } from "./crash.js";
+import { Curves } from "./curve.js";
 import { Board } from "./board/board.js";
 import { byId, make } from "./dom.js";
 import { showLoop, showReport } from "./figures.js";
@@ -26,6 +27,14 @@ const board = new Board(core);
 live.listen((moment) => motor.goto(moment));
 live.listen(() => showSwitch());
 
+const curves = new Curves(core.another(), {
+  ask: () => ask,
+  latest: () => latest,
+  hasRuns: () => opened?.kind === "runs",
+  isIdle: () => !running && !calm,
+  move: (given, value) => { setKey(ask, given, value); controls(); run({ keep: true }); },
+});
+
 let scenes = [];
 let ask = null;
 let opened = null;
@@ -34,6 +43,7 @@ let again = null;
 let lastWall = 0;
 let calm = 0;
 let first = true;
+let latest = null;
 
 const say = (words) => { byId("status").textContent = words; };
 const entryOf = (name) => scenes.find((entry) => entry.name === name);
@@ -93,6 +103,8 @@ async function openScene(given) {
   byId("fault").closest(".faults").hidden = opened.faults.length === 0;
   byId("switch").hidden = !opened.burst;
   byId("acts").hidden = opened.faults.length === 0 && !opened.burst;
+  latest = null;
+  curves.clear();
   controls();
   lastWall = 0;
   return run();
@@ -102,10 +114,11 @@ function controls() {
   showControls(byId("sliders"), opened, ask, () => {
     chips();
     clearTimeout(calm);
+    calm = 0;
     if (lastWall > AUTO_RUN_LIMIT_S) return say(`Changed. The last run took ${digits(lastWall, 2)} s: press Run to run it again.`);
     calm = setTimeout(() => run({ keep: true }), SLIDER_DELAY_MS);
     return undefined;
-  });
+  }, curves);
   chips();
 }
 
@@ -120,11 +133,13 @@ function chips() {
     ...ask.faults.map((fault) => chip(`${fault.label} at ${quantity(fault.at_s, "s", 5)}`, () => { ask.faults = ask.faults.filter((other) => other !== fault); })),
   );
   byId("reset").disabled = !ask.changed;
+  curves.check();
 }
 
 /** Runs the scene with its present changes, after any run in progress. */
 async function run({ from = null, keep = false } = {}) {
   clearTimeout(calm);
+  calm = 0;
   if (running) { again = { from, keep }; return; }
   running = true;
   byId("stop").disabled = false;
@@ -133,11 +148,15 @@ async function run({ from = null, keep = false } = {}) {
   say(`Running ${ask.name} …`);
   const end = opened.kind === "runs" ? Number(ask.moved.get("runs")?.value ?? opened.sliders.find(({ key }) => key === "runs")?.value ?? 1) : opened.duration_s;
   core.onprogress = (reached) => { byId("bar").style.width = `${Math.min(100, (100 * reached) / end)}%`; };
-  const asked = ask, began = performance.now();
+  const asked = ask, sent = JSON.stringify(ask.request), began = performance.now();
   try {
-    const result = await core.ask("run", asked.request);
+    const result = await core.ask("run", sent);
     lastWall = (performance.now() - began) / 1e3;
-    if (asked === ask && again === null) await show(result, from, keep);
+    if (asked === ask && again === null) {
+      latest = { ...result, sent };
+      curves.take();
+      await show(result, from, keep);
+    }
   } catch (error) {
     if (asked === ask) showError(error);
   } finally {
@@ -149,6 +168,8 @@ async function run({ from = null, keep = false } = {}) {
     const next = again;
     again = null;
     run(next);
+  } else {
+    curves.work();
   }
 }
 

@@ -10,6 +10,11 @@ export class Ask {
     Object.assign(this, { name, text, base: [...sets], moved: new Map(), bursts: null, faults: [], whole: false, faultCount: 0 });
   }
 
+  /** Returns a copy, whose values can be changed. */
+  copy() {
+    return Object.assign(new Ask(this), this, { moved: new Map(this.moved) });
+  }
+
   /** Returns the changes as `key=value`. */
   get sets() {
     const given = new Map();

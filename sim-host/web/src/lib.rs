@@ -25,6 +25,7 @@
 pub mod board;
 mod catalogue;
 mod controls;
+mod curve;
 mod figures;
 mod motor;
 mod opened;
@@ -36,5 +37,6 @@ mod session;
 mod worker;
 
 pub use catalogue::{Entry, FIRST_SCENE, scenes};
+pub use curve::{Point, Target};
 pub use request::Request;
 pub use session::Session;

@@ -27,6 +27,7 @@ pub(crate) fn to_json(study: &Study) -> Value {
         "passes": study.passes(),
         "expectations": study.judged.len(),
         "headline": report.summary,
+        "main": tables::main_metric(study),
         "paragraphs": report.paragraphs,
         "tables": report.tables.iter().map(table).collect::<Vec<_>>(),
         "appendix": report.appendix.iter().map(table).collect::<Vec<_>>(),

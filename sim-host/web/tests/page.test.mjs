@@ -37,6 +37,17 @@ const choose = (page, scene) => page.value(`(() => { document.body.dataset.state
 const press = (page, id) => page.value(`(() => { document.body.dataset.state = ''; document.getElementById('${id}').click(); })()`);
 const text = (page, id) => page.value(`document.getElementById('${id}').textContent`);
 
+/** Opens the curve of a slider, and waits for its points. */
+const curveOf = (key, rest = "") => `document.getElementById('curve-${key}${rest}')`;
+const waitForCurve = (page, key, name = "done") => page.until(`${curveOf(key)}.dataset.state === '${name}'`);
+async function openCurve(page, key) {
+  await page.until(done);
+  await page.value(`${curveOf(key, "-open")}.click()`);
+  await waitForCurve(page, key);
+}
+/** Moves a slider to one of its 400 steps. */
+const slide = (page, key, step) => page.value(`(() => { document.body.dataset.state = ''; const s = document.getElementById('slider-${key}'); s.value = ${step}; s.dispatchEvent(new Event('input')); })()`);
+
 test("the page is at most 1.6 MB gzipped", async () => {
   const packed = gzipSync(await readFile(file), { level: 9 }).length;
   console.log(`${packed} bytes gzipped`);
@@ -119,6 +130,43 @@ test("a slider changes its key, and undoing it restores the first result", () =>
   await press(page, "reset");
   await page.until(done);
   assert.equal(await page.value(state("hash")), first);
+}));
+
+test("a curve shows the main metric over a slider, and follows other values", () => opened({}, async (page) => {
+  const key = "rig.slider.speed_m_per_s", words = () => page.value(`${curveOf(key)}.innerText`);
+  await page.until(done);
+  assert.equal(await page.value("document.querySelectorAll('.curve svg').length"), 0, "nothing is computed before a curve is opened");
+  await openCurve(page, key);
+  const headline = /friction reduction([\d.]+) %/.exec(await text(page, "headline"))[1];
+  const here = /You are here: 38 mm\/s, friction reduction ([\d.]+) %/.exec(await words())[1];
+  assert.ok(Math.abs(here - headline) < 0.1, await words());
+  const circles = () => page.value(`JSON.stringify([...${curveOf(key)}.querySelectorAll('circle.dot')].map((dot) => Number(dot.getAttribute('cy')).toFixed(1)))`);
+  const first = await circles();
+  assert.ok(JSON.parse(first).length >= 13, first);
+  const svg = (selector, attribute) => page.value(`${curveOf(key)}.querySelector('${selector}')${attribute}`);
+  assert.match(await svg("svg", ".getAttribute('aria-label')"), /^friction reduction over Speed of the slider from [\d.]+ % at [\d.]+ mm\/s to [\d.]+ % at 200 mm\/s\. You are here: /);
+  assert.match(await svg("svg", ".textContent"), /friction reduction, %.*Speed of the slider, mm\/s/);
+  // Its own slider moves the marker, and keeps the points.
+  const before = await svg("line.here", ".getAttribute('x1')");
+  await slide(page, key, 300);
+  await page.until(done);
+  assert.notEqual(await svg("line.here", ".getAttribute('x1')"), before);
+  await waitForCurve(page, key);
+  // Another slider makes it outdated, and it is computed again.
+  await slide(page, "rig.slider.load_n", 200);
+  await waitForCurve(page, key, "busy");
+  await waitForCurve(page, key);
+  assert.notEqual(await circles(), first);
+  // It can be stopped; a closed curve is not computed again.
+  await slide(page, "rig.slider.load_n", 300);
+  await waitForCurve(page, key, "busy");
+  await page.value(`${curveOf(key, "-act")}.click()`);
+  assert.equal(await svg("svg", ".closest('.curve').dataset.state"), "stopped");
+  await slide(page, "rig.slider.load_n", 100);
+  await page.until(done);
+  await waitForCurve(page, key, "outdated");
+  await page.value(`${curveOf(key, "-act")}.click()`);
+  await waitForCurve(page, key);
 }));
 
 test("a link contains the scene and its changes", () => opened({}, async (page) => {

@@ -67,7 +67,7 @@ pub struct Shares {
 
 /// Returns the main metrics of a scene, the most important first: those of its expectations, which
 /// are its question, then those of a single run.
-pub(super) fn lines(scene: &Scene) -> Vec<Line> {
+pub fn lines(scene: &Scene) -> Vec<Line> {
     let contact = || table::HEADLINE[..1].iter().copied().chain([FRICTION_RATIO]).chain(table::HEADLINE[1..].iter().copied());
     let mut lines: Vec<Line> = match (&scene.controller, &scene.design) {
         (Some(_), _) => LOCK.into_iter().chain(instruments::headline()).collect(),
