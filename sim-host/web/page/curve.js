@@ -1,4 +1,5 @@
-// Curves of the scene's main metric over the key of a slider, computed by a worker of their own.
+// Curves of the scene's main metric over the key of a slider, with the values at which it has a
+// target, computed by a worker of their own.
 import { presentOf, setKey, STEPS, valueAt } from "./controls.js";
 import { make } from "./dom.js";
 import { digits, grouped, prefixed, quantity } from "./format.js";
@@ -8,6 +9,8 @@ import { extent, ticks } from "./path.js";
 const CURVE_POINTS = [0, 12, 6, 3, 9, 1, 5, 8, 11, 2, 4, 7, 10].map((place) => (place * STEPS) / 12);
 /** Longest run of a point with which a curve is computed again after a change, s. */
 const FOLLOW_LIMIT_S = 1;
+/** Largest number of points of a search for a target. */
+const MAX_SEARCH_POINTS = 40;
 /** Place of the plot in its picture, and the size of the picture. */
 const PLOT = { left: 46, right: 290, top: 22, bottom: 138, width: 300, height: 172 };
 
@@ -35,9 +38,14 @@ class Curve {
   isOutdated = false;
   isDone = false;
   wall_s = 0;
+  /** Number of changes so far. */
+  turn = 0;
   /** Values of the key with `value` or, if the run has none, `why`. */
   points = new Map();
   former = [];
+  target = null;
+  /** Searches for the target, each with its points and, at the end, its result; null before they begin. */
+  searches = null;
 
   constructor(given, all) {
     Object.assign(this, { given, all });
@@ -72,7 +80,58 @@ class Curve {
     const act = () => (this.isWaiting ? this.stop() : this.again());
     this.act = make("button", { type: "button", id: `${this.place.id}-act`, onclick: act });
     this.line = make("div", { class: "row" }, this.act, this.count);
-    this.place.replaceChildren(this.picture, this.words, this.line);
+    this.place.replaceChildren(this.picture, this.words, this.line, ...(this.given.whole ? [] : this.questions()));
+  }
+
+  questions() {
+    const id = `${this.place.id}-target`;
+    const box = make("input", { type: "number", step: "any", id, onchange: () => this.seek(box.valueAsNumber) });
+    this.roots = make("ul", { class: "roots mode", "aria-live": "polite" });
+    return [make("div", { class: "row" }, make("label", { for: id }, "Target"), box, this.metric.unit), this.roots];
+  }
+
+  /** Finds the values of the key at which the metric has this value. */
+  seek(target) {
+    Object.assign(this, { target: Number.isFinite(target) ? target : null, searches: null });
+    this.again();
+  }
+
+  /** Returns a search between each two neighbouring points with the target between them, or on it. */
+  brackets() {
+    const sorted = this.sorted().map(([key, { value }]) => [key, value ?? NaN]), searches = [];
+    const off = (place) => (sorted[place]?.[1] ?? NaN) - this.target;
+    for (let place = 0; place < sorted.length; place += 1) {
+      const root = sorted[place][0];
+      if (off(place) * off(place + 1) < 0) searches.push({ points: sorted.slice(place, place + 2), end: null });
+      if (off(place) !== 0) continue;
+      while (off(place + 1) === 0) place += 1;
+      searches.push({ points: [], end: { root, to: sorted[place][0] } });
+    }
+    return searches;
+  }
+
+  /** Returns the roots, and the reasons that a search has none. */
+  found() {
+    const name = this.metric.label, ended = (this.searches ?? []).filter(({ end }) => end).map(({ end }) => end);
+    if (this.target === null || this.isOutdated) return [];
+    if (this.isDone && ended.length === 0) return [["Not reached in this range.", null]];
+    return ended.map(({ root, to, at, why }) => {
+      if (why) return [`No result at ${this.keyText(at)}: ${why}.`, null];
+      if (root === null) return [`${name} jumps over it at ${this.keyText(at)}.`, null];
+      return [to > root ? `${this.keyText(root)} to ${this.keyText(to)}` : this.keyText(root), root];
+    });
+  }
+
+  listRoots() {
+    const found = this.found(), text = JSON.stringify(found);
+    if (!this.roots || this.roots.dataset.text === text) return;
+    this.roots.dataset.text = text;
+    const set = (root, words, place) => {
+      const named = { id: `${this.place.id}-root-${place}`, "aria-label": `Set ${this.given.label} to ${words}` };
+      return make("button", { type: "button", class: "text", ...named, onclick: () => this.all.page.move(this.given, root) }, "Set");
+    };
+    const item = ([words, root], place) => make("li", {}, words, " ", root === null ? null : set(root, words, place));
+    this.roots.replaceChildren(...found.map(item));
   }
 
   /** Returns the request with a value of the key. */
@@ -88,7 +147,7 @@ class Curve {
 
   /** Computes the missing points, or all if another value has changed. */
   again() {
-    Object.assign(this, { isStopped: false, isDone: false });
+    Object.assign(this, { isStopped: false, isDone: false, turn: this.turn + 1 });
     if (this.sign !== this.signature()) this.renew();
     this.take();
     this.draw();
@@ -96,7 +155,7 @@ class Curve {
   }
 
   renew() {
-    Object.assign(this, { former: this.known(), points: new Map(), sign: this.signature(), isOutdated: false });
+    Object.assign(this, { former: this.known(), points: new Map(), searches: null, sign: this.signature(), isOutdated: false });
   }
 
   stop() {
@@ -108,7 +167,7 @@ class Curve {
   /** Follows a change of the scene. */
   check() {
     if (!this.metric) return;
-    this.isDone = false;
+    Object.assign(this, { isDone: false, turn: this.turn + 1 });
     this.isOutdated = this.sign !== this.signature();
     if (this.isOutdated && this.isOpen && !this.isStopped && this.wall_s <= FOLLOW_LIMIT_S) this.renew();
     this.draw();
@@ -124,8 +183,20 @@ class Curve {
     this.draw();
   }
 
-  /** Returns the next value of the key to run; undefined if there are no further ones. */
-  next() { return this.grid().find((value) => !this.points.has(value)); }
+  /** Returns the next value of the key to run, and the search that it belongs to; null at the end. */
+  async next() {
+    const value = this.grid().find((one) => !this.points.has(one));
+    if (value !== undefined) return { value };
+    if (this.target === null) return null;
+    const { target } = this;
+    this.searches ??= this.brackets();
+    for (const search of this.searches.filter(({ end }) => !end)) {
+      const step = await this.all.core.ask("target", { target, points: search.points });
+      if (step.next !== null && search.points.length < MAX_SEARCH_POINTS) return { value: step.next, search };
+      search.end = step;
+    }
+    return null;
+  }
 
   grid() { return [...new Set(CURVE_POINTS.map((step) => valueAt(this.given, step)))]; }
 
@@ -156,7 +227,8 @@ class Curve {
     const known = this.known(), here = this.present, now = this.at(here);
     const { log, min, max, label, unit } = this.given, { left, right, top, bottom, width, height } = PLOT;
     const scale = (key) => (log ? Math.log10(key) : key), xs = [scale(min), scale(max)];
-    const ys = extent([...known, ...this.former].map(([, value]) => value), 0.08);
+    const aim = this.target === null ? [] : [this.target], roots = this.found().map(([, root]) => root).filter((root) => root !== null);
+    const ys = extent([...known.map(([, value]) => value), ...this.former.map(([, value]) => value), ...aim], 0.08);
     const X = (key) => left + ((scale(key) - xs[0]) / (xs[1] - xs[0])) * (right - left);
     const Y = (value) => bottom - ((value - ys[0]) / (ys[1] - ys[0])) * (bottom - top);
     const [factor, name] = log ? [1, unit] : prefixed(Math.max(Math.abs(min), Math.abs(max)), unit);
@@ -179,10 +251,13 @@ class Curve {
       note((left + right) / 2, height - 5, "middle", named(label, name)),
       path(this.former, "former"), ...pieces.map((piece) => path(piece, "line")),
       ...known.map(([key, value]) => dot(X(key), Y(value), 2.2, "dot")),
+      ...aim.map((value) => rule(left, Y(value), right, Y(value), "target")),
+      ...roots.map((root) => dot(X(root), Y(this.target), 4.5, "root")),
       rule(hereX, top, hereX, bottom, "here"), ...(now === null ? [] : [dot(hereX, Y(now), 4.5, "here")]),
       note(hereX + shift, top + 9, side, "you are here"),
     );
     this.say(known, now);
+    this.listRoots();
   }
 
   /** Describes the curve in words, for its picture and below it. */
@@ -257,12 +332,17 @@ export class Curves {
   }
 
   async #step(curve) {
-    const value = curve.next(), { sign } = curve;
-    if (value === undefined) return Object.assign(curve, { isDone: true, former: [] });
+    const { sign, turn } = curve, next = await curve.next();
+    if (turn !== curve.turn) return undefined;
+    if (!next) return Object.assign(curve, { isDone: true, former: [] });
+    const { value, search } = next;
     const began = performance.now();
     const found = await this.core.ask("point", { ...curve.request(value), metric: curve.metric.name });
     curve.wall_s = (performance.now() - began) / 1e3;
-    if (sign === curve.sign && !curve.isOutdated) curve.points.set(value, found);
+    if (sign !== curve.sign || curve.isOutdated) return undefined;
+    curve.points.set(value, found);
+    if (search && found.why) search.end = { at: value, ...found };
+    else search?.points.push([value, found.value]);
     return undefined;
   }
 }

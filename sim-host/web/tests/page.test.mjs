@@ -45,6 +45,19 @@ async function openCurve(page, key) {
   await page.value(`${curveOf(key, "-open")}.click()`);
   await waitForCurve(page, key);
 }
+/** Opens the curve of Coulomb friction, whose ratio is 2/pi asin(key) up to 1. */
+async function openKinematic(page) {
+  await page.until(done);
+  await page.value("document.getElementById('toml').value = 'base = \"contact-kinematic\"\\n[contact.dahl]\\nstiffness_n_per_m = 1e12'");
+  await press(page, "apply");
+  await openCurve(page, "excitation.velocity_ratio");
+  return "excitation.velocity_ratio";
+}
+/** Enters a value into a field of a curve. */
+async function enter(page, key, field, value) {
+  await page.value(`(() => { const box = ${curveOf(key, field)}; box.value = '${value}'; box.dispatchEvent(new Event('change')); })()`);
+  await waitForCurve(page, key);
+}
 /** Moves a slider to one of its 400 steps. */
 const slide = (page, key, step) => page.value(`(() => { document.body.dataset.state = ''; const s = document.getElementById('slider-${key}'); s.value = ${step}; s.dispatchEvent(new Event('input')); })()`);
 
@@ -167,6 +180,20 @@ test("a curve shows the main metric over a slider, and follows other values", ()
   await waitForCurve(page, key, "outdated");
   await page.value(`${curveOf(key, "-act")}.click()`);
   await waitForCurve(page, key);
+}));
+
+test("a target has all values of the key in the range, and sets one of them", () => opened({}, async (page) => {
+  const key = await openKinematic(page), list = () => page.value(`[...${curveOf(key)}.querySelectorAll('.roots li')].map((one) => one.innerText)`);
+  await enter(page, key, "-target", 0.5);
+  const [root, ...others] = await list();
+  assert.ok(others.length === 0 && Math.abs(parseFloat(root) - Math.SQRT1_2) < 0.001, root);
+  await page.value(`document.body.dataset.state = ''; ${curveOf(key, "-root-0")}.focus(); ${curveOf(key, "-root-0")}.click()`);
+  await page.until(done);
+  assert.match(await page.value("document.getElementById('command').value"), /excitation\.velocity_ratio=0\.70/);
+  assert.match(await page.value(`${curveOf(key)}.innerText`), /You are here: 0\.70\d*, friction ratio 0\.5\./);
+  assert.equal(await page.value("document.activeElement.id"), `curve-${key}-root-0`);
+  await enter(page, key, "-target", 2);
+  assert.deepEqual(await list(), ["Not reached in this range."]);
 }));
 
 test("a link contains the scene and its changes", () => opened({}, async (page) => {
