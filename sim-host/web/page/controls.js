@@ -46,8 +46,8 @@ function slider(given, ask, changed, curves) {
     setKey(ask, given, value);
     changed();
   });
-  return make("div", { class: "control" },
-    make("label", { for: id }, given.label), output, input, make("small", { id: `${id}-key` }, make("code", {}, given.key)), ...curves.nodes(given));
+  const key = make("small", { id: `${id}-key` }, make("code", {}, given.key));
+  return make("div", { class: "control" }, make("label", { for: id }, given.label), output, input, key, ...curves.nodes(given));
 }
 
 function choice(given, ask, changed) {

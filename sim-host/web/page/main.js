@@ -31,7 +31,7 @@ const curves = new Curves(core.another(), {
   ask: () => ask,
   latest: () => latest,
   hasRuns: () => opened?.kind === "runs",
-  isIdle: () => !running && !calm,
+  isIdle: () => !running,
   move: (given, value) => { setKey(ask, given, value); controls(); run({ keep: true }); },
 });
 
@@ -114,7 +114,6 @@ function controls() {
   showControls(byId("sliders"), opened, ask, () => {
     chips();
     clearTimeout(calm);
-    calm = 0;
     if (lastWall > AUTO_RUN_LIMIT_S) return say(`Changed. The last run took ${digits(lastWall, 2)} s: press Run to run it again.`);
     calm = setTimeout(() => run({ keep: true }), SLIDER_DELAY_MS);
     return undefined;
@@ -139,7 +138,6 @@ function chips() {
 /** Runs the scene with its present changes, after any run in progress. */
 async function run({ from = null, keep = false } = {}) {
   clearTimeout(calm);
-  calm = 0;
   if (running) { again = { from, keep }; return; }
   running = true;
   byId("stop").disabled = false;

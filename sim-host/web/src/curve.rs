@@ -9,8 +9,6 @@ use crate::request::Request;
 
 /// Largest width of the interval of a root, relative to the root.
 const ROOT_WIDTH_REL: f64 = 1e-6;
-/// Part of [`REACHED_REL`] at which a search ends.
-const CLOSE: f64 = 0.1;
 
 /// A scene and the metric that is read from its run.
 #[derive(Clone, Debug, Deserialize)]
@@ -23,24 +21,17 @@ pub struct Point {
 }
 
 impl Point {
-    /// Runs the scene. Returns the metric, or the reason that the run has none, as in a sweep.
+    /// Runs the scene. Returns the metric as `value`, or the reason that the run has none as `why`.
     pub fn run(&self) -> Value {
-        match self.value() {
-            Ok(value) => json!({ "value": value }),
-            Err(why) => json!({ "why": why }),
-        }
+        self.value().map_or_else(|why| json!({ "why": why }), |value| json!({ "value": value }))
     }
 
     fn value(&self) -> Result<f64, String> {
         let loaded = self.request.load()?;
-        let study = study::run(&loaded, Options::default()).map_err(|error| error.to_string())?;
-        match study.metrics.find("fault_code").filter(|code| *code != 0.0 && loaded.scene.runs == 1) {
+        let metrics = study::run(&loaded, Options::default()).map_err(|error| error.to_string())?.rest.metrics;
+        match metrics.find("fault_code").filter(|code| *code != 0.0 && loaded.scene.runs == 1) {
             Some(code) => Err(format!("the run ends in fault {code}")),
-            None => study
-                .metrics
-                .find(&self.metric)
-                .filter(|value| value.is_finite())
-                .ok_or_else(|| "the run has no such number".to_owned()),
+            None => metrics.find(&self.metric).filter(|value| value.is_finite()).ok_or("the run has no such number".to_owned()),
         }
     }
 }
@@ -60,17 +51,14 @@ impl Target {
     /// `root` is the value at which the metric has the target. `root` is null if the metric steps
     /// over the target, at `at`.
     pub fn next(&self) -> Value {
-        let off = |&(at, metric): &(f64, f64)| (at, metric - self.target);
-        let [low, high, further @ ..] = &self.points[..] else { return Value::Null };
-        let mut search = Search::new(off(low), off(high), ROOT_WIDTH_REL);
-        for (at, value) in further.iter().map(off) {
-            search.take(at, value);
-        }
-        let (at, distance) = search.best();
-        let tolerance = REACHED_REL * low.1.abs().max(high.1.abs());
-        let next = search.next().filter(|_| distance.abs() > CLOSE * tolerance);
-        let root = Some(at).filter(|_| next.is_none() && distance.abs() <= tolerance);
-        json!({ "next": next, "root": root, "at": at })
+        let mut points = self.points.iter().map(|&(at, metric)| (at, metric - self.target));
+        let Some((low, high)) = points.next().zip(points.next()) else { return Value::Null };
+        let mut search = Search::new(low, high, ROOT_WIDTH_REL);
+        points.for_each(|(at, value)| search.take(at, value));
+        let (at, off) = search.best();
+        let tolerance = REACHED_REL * self.points[0].1.abs().max(self.points[1].1.abs());
+        let next = search.next().filter(|_| off.abs() > 0.1 * tolerance);
+        json!({ "next": next, "root": Some(at).filter(|_| off.abs() <= tolerance), "at": at })
     }
 }
 
@@ -78,36 +66,26 @@ impl Target {
 mod tests {
     use super::*;
 
-    fn point(sets: &[&str]) -> Value {
-        let sets = sets.iter().map(|&set| set.to_owned()).collect();
-        let request = Request { name: "contact-kinematic".into(), sets, ..Request::default() };
-        Point { request, metric: "friction_ratio".into() }.run()
+    fn root(target: f64, ends: [f64; 2], metric: impl Fn(f64) -> f64) -> (Value, usize) {
+        let mut search = Target { target, points: ends.map(|at| (at, metric(at))).to_vec() };
+        while let Some(next) = search.next()["next"].as_f64() {
+            search.points.push((next, metric(next)));
+        }
+        (search.next(), search.points.len())
     }
 
     /// The closed form of Coulomb friction: a third is left at a velocity ratio of one half.
     #[test]
-    fn the_target_is_found_by_single_runs() {
-        let metric = |ratio: f64| {
-            let found = point(&["contact.dahl.stiffness_n_per_m=1e12", &format!("excitation.velocity_ratio={ratio}")]);
-            found["value"].as_f64().unwrap_or_else(|| panic!("{found}"))
+    fn a_target_is_found_by_single_runs_and_a_step_has_none() {
+        let point = |ratio: f64| {
+            let sets = vec!["contact.dahl.stiffness_n_per_m=1e12".into(), format!("excitation.velocity_ratio={ratio}")];
+            let request = Request { name: "contact-kinematic".into(), sets, ..Request::default() };
+            Point { request, metric: "friction_ratio".into() }.run()
         };
-        let mut search = Target { target: 1.0 / 3.0, points: [0.2, 0.9].map(|ratio| (ratio, metric(ratio))).to_vec() };
-        while let Some(next) = search.next()["next"].as_f64() {
-            search.points.push((next, metric(next)));
-        }
-        let end = search.next();
-        assert!((end["root"].as_f64().unwrap() - 0.5).abs() < 1e-4 && search.points.len() < 12, "{end} {search:?}");
-    }
-
-    #[test]
-    fn a_step_has_no_root_and_a_mistake_has_a_reason() {
-        let step = |at: f64| (at, if at < 0.3 { 0.0 } else { 2.0 });
-        let mut search = Target { target: 1.0, points: vec![step(0.0), step(1.0)] };
-        while let Some(next) = search.next()["next"].as_f64() {
-            search.points.push(step(next));
-        }
-        let end = search.next();
-        assert!(end["root"].is_null() && (end["at"].as_f64().unwrap() - 0.3).abs() < 1e-5, "{end}");
-        assert!(point(&["excitation.velocity_ratio=-1"])["why"].as_str().unwrap().contains("velocity_ratio"));
+        let (end, runs) = root(1.0 / 3.0, [0.2, 0.9], |ratio| point(ratio)["value"].as_f64().expect("a metric"));
+        assert!((end["root"].as_f64().expect("a root") - 0.5).abs() < 1e-4 && runs < 12, "{end}");
+        assert!(point(-1.0)["why"].as_str().expect("a reason").contains("velocity_ratio"));
+        let (end, _) = root(1.0, [0.0, 1.0], |at| if at < 0.3 { 0.0 } else { 2.0 });
+        assert!(end["root"].is_null() && (end["at"].as_f64().expect("a value") - 0.3).abs() < 1e-5, "{end}");
     }
 }

@@ -196,6 +196,21 @@ test("a target has all values of the key in the range, and sets one of them", ()
   assert.deepEqual(await list(), ["Not reached in this range."]);
 }));
 
+test("an uncertain key has an interval of the metric, as text and as a band", () => opened({}, async (page) => {
+  const key = await openKinematic(page), words = () => page.value(`${curveOf(key)}.innerText`);
+  await slide(page, key, 200);
+  await page.until(done);
+  const here = Number(/You are here: ([\d.]+),/.exec(await words())[1]), ratio = (part) => (2 / Math.PI) * Math.asin(here + part);
+  await enter(page, key, "-band", 0.1);
+  const [, low, high] = /friction ratio ([\d.]+) to ([\d.]+) \(95 %\)/.exec(await words());
+  assert.ok(Math.abs(low - ratio(-0.1)) < 0.006 && Math.abs(high - ratio(0.1)) < 0.006, await words());
+  assert.equal(await page.value(`${curveOf(key)}.querySelectorAll('rect.band').length`), 2);
+  await enter(page, key, "-band-unit", "%");
+  assert.match(await words(), new RegExp(`within ± ${here / 1000}`));
+  await enter(page, key, "-band", 300);
+  assert.match(await words(), /\d % of it are left out/);
+}));
+
 test("a link contains the scene and its changes", () => opened({}, async (page) => {
   await page.until(done);
   await page.value("(() => { document.body.dataset.state = ''; const s = document.getElementById('slider-contact.dahl.mu'); s.value = 150; s.dispatchEvent(new Event('input')); })()");
@@ -285,6 +300,8 @@ test("axe finds nothing, light and dark, wide and narrow", async (context) => {
         await choose(page, scene);
         await page.until(done);
         await page.value("document.querySelectorAll('details').forEach((one) => { one.open = true; })");
+        await page.value("document.querySelector('.control > .text').click()");
+        await page.until("document.querySelector('.curve').dataset.state === 'done'");
         await page.value(source);
         const found = await page.value("axe.run(document, { runOnly: ['wcag2a', 'wcag2aa', 'wcag21a', 'wcag21aa', 'wcag22aa', 'best-practice'] }).then(({ violations }) => violations.map(({ id, help, nodes }) => `${id}: ${help}: ${nodes.slice(0, 4).map((node) => node.target + ' ' + (node.any[0]?.message ?? '')).join(', ')}`))");
         assert.deepEqual(found, [], `${scene} ${JSON.stringify(options)}`);
