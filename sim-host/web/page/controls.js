@@ -10,7 +10,7 @@ const written = ({ list }, value) => (list ? `[${plain(value)}]` : plain(value))
 const read = (text) => Number(text.replace(/^\[|\]$/g, ""));
 
 /** Converts a value to its position on the slider, and back. */
-const place = ({ min, max, log }, value) => STEPS * (log ? Math.log(value / min) / Math.log(max / min) : (value - min) / (max - min));
+export const place = ({ min, max, log }, value) => STEPS * (log ? Math.log(value / min) / Math.log(max / min) : (value - min) / (max - min));
 export function valueAt({ min, max, log, whole }, step) {
   const part = step / STEPS;
   const value = log ? min * (max / min) ** part : min + (max - min) * part;

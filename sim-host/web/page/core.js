@@ -22,9 +22,6 @@ export class Core {
     this.onprogress = () => {};
   }
 
-  /** Creates a simulator with the same module and its own worker. */
-  another() { return new Core(null, null, this); }
-
   static async #compile(packed) { return WebAssembly.compile(unpacked(packed)); }
 
   /** Starts a worker with the module. */

@@ -1,9 +1,11 @@
 // Curves of the scene's main metric over the key of a slider, with the values at which it has a
 // target and its interval for an uncertain key, computed by a worker of their own.
-import { presentOf, setKey, STEPS, valueAt } from "./controls.js";
+import { place, presentOf, setKey, STEPS, valueAt } from "./controls.js";
+import { SimulatorError } from "./core.js";
 import { make } from "./dom.js";
 import { digits, grouped, prefixed, quantity } from "./format.js";
 import { extent, ticks } from "./path.js";
+import { Ask } from "./request.js";
 
 /** Steps of the slider at which a curve has points: first its ends, then finer ones. */
 const CURVE_STEPS = [0, 12, 6, 3, 9, 1, 5, 8, 11, 2, 4, 7, 10].map((place) => (place * STEPS) / 12);
@@ -29,37 +31,21 @@ function shape(name, attributes, ...children) {
 /** Returns positions and texts of the marks of an axis, in a unit of this size. */
 function marks(low, high, most, log, factor) {
   if (log) {
-    const first = Math.floor(Math.log10(low)), length = Math.ceil(Math.log10(high)) - first + 1;
-    const powers = Array.from({ length }, (_, place) => 10 ** (first + place));
-    const inside = (values) => values.filter((value) => value >= low && value <= high);
-    const fine = inside(powers.flatMap((one) => [one, 2 * one, 5 * one]));
-    return (fine.length > 6 ? inside(powers) : fine).map((value) => [value, digits(value / factor, 2)]);
+    const all = Array.from({ length: 60 }, (_, n) => [[1, 2, 5][n % 3] * 10 ** (Math.floor(n / 3) - 9), n % 3]);
+    const inside = all.filter(([value]) => value >= low && value <= high);
+    return inside.filter(([, digit]) => digit === 0 || inside.length <= 6).map(([value]) => [value, digits(value / factor, 2)]);
   }
   const places = ticks(low / factor, high / factor, most), step = places[1] - places[0] || 1;
   const decimals = Math.max(0, -Math.floor(Math.log10(step) + 1e-9));
   return places.map((value) => [value * factor, decimals > 4 ? digits(value, 2) : grouped(value.toFixed(decimals))]);
 }
 
-/** Formats two ends with two digits of their distance. */
-function interval(low, high) {
-  const decimals = Math.min(8, Math.max(0, 1 - Math.floor(Math.log10(high - low || Math.abs(high) || 1))));
-  return [low, high].map((value) => grouped(value.toFixed(decimals))).join(" to ");
-}
-
 /** Replaces a text that has changed, so that a screen reader reads it once. */
 const rewrite = (node, words) => { if (node.textContent !== words) node.textContent = words; };
 
 class Curve {
-  /** Label, name and unit; null before the curve is opened. */
-  metric = null;
-  isOpen = false;
-  isStopped = false;
-  isOutdated = false;
-  isDone = false;
   /** Duration of the last run, s. */
   wall_s = 0;
-  /** Number of changes so far. */
-  turn = 0;
   /** Values of the key with `value` or, if the run has none, `why`. */
   points = new Map();
   target = null;
@@ -69,7 +55,8 @@ class Curve {
   width = () => 0;
 
   constructor(given, all) {
-    Object.assign(this, { given, all, id: `curve-${given.key}` });
+    Object.assign(this, { given, all, id: `curve-${given.key}`, turn: 0 });
+    Object.assign(this, { isOpen: false, isStopped: false, isOutdated: false, isDone: false });
     this.place = make("div", { class: "curve", id: this.id, hidden: true });
     const named = { "aria-label": `Curve: ${given.label}`, "aria-controls": this.id, "aria-expanded": "false" };
     const onclick = () => this.toggle();
@@ -77,7 +64,7 @@ class Curve {
   }
 
   get present() { return presentOf(this.all.page.ask(), this.given); }
-  get isWaiting() { return this.isOpen && this.metric !== null && !this.isStopped && !this.isOutdated && !this.isDone; }
+  get isWaiting() { return this.isOpen && this.metric && !this.isStopped && !this.isOutdated && !this.isDone; }
 
   toggle() {
     this.isOpen = !this.isOpen;
@@ -96,8 +83,8 @@ class Curve {
     const number = (id, onchange) => make("input", { type: "number", step: "any", id, onchange });
     const row = (id, label, ...fields) => make("div", { class: "row" }, make("label", { for: id }, label), ...fields);
     this.picture = shape("svg", { viewBox: `0 0 ${PLOT.width} ${PLOT.height}`, role: "img" });
-    const act = () => (this.isWaiting ? this.stop() : this.again());
-    this.act = make("button", { type: "button", id: `${this.id}-act`, onclick: act });
+    const onclick = () => (this.isWaiting ? this.all.halt(this) : this.again());
+    this.act = make("button", { type: "button", id: `${this.id}-act`, onclick });
     Object.assign(this, { words: words(), bandWords: words(), count: make("span", { class: "mode" }) });
     this.line = make("div", { class: "row" }, this.act, this.count);
     this.roots = make("ul", { class: "roots mode", "aria-live": "polite" });
@@ -119,9 +106,9 @@ class Curve {
 
   /** Returns the request with a value of the key. */
   request(value) {
-    const ask = Object.assign(this.all.page.ask().copy(), { whole: false });
-    setKey(ask, this.given, value);
-    return ask.request;
+    const ask = this.all.page.ask(), other = Object.assign(new Ask(ask), ask, { moved: new Map(ask.moved), whole: false });
+    setKey(other, this.given, value);
+    return other.request;
   }
 
   /** Identifies all other values of the scene. */
@@ -137,12 +124,6 @@ class Curve {
   }
 
   renew() { Object.assign(this, { points: new Map(), searches: null, sign: this.signature(), isOutdated: false }); }
-
-  stop() {
-    this.isStopped = true;
-    this.all.halt(this);
-    this.draw();
-  }
 
   /** Follows a change of the scene. */
   check() {
@@ -216,16 +197,14 @@ class Curve {
     const ended = (this.searches ?? []).filter(({ end }) => end).map(({ end }) => end);
     if (this.target === null || this.isOutdated) return [];
     if (this.isDone && ended.length === 0) return [["Not reached in this range.", null]];
-    return ended.map(({ root, to, at, why }) => {
-      if (why) return [`No result at ${this.keyText(at)}: ${why}.`, null];
-      if (root === null) return [`The metric jumps over it at ${this.keyText(at)}.`, null];
+    return ended.map(({ root = null, to, at, why }) => {
+      if (root === null) return [`${why ? "No result" : "A jump over the target"} at ${this.keyText(at)}.`, null];
       return [to > root ? `${this.keyText(root)} to ${this.keyText(to)}` : this.keyText(root), root];
     });
   }
 
   listRoots(found) {
-    if (this.listed === JSON.stringify(found)) return;
-    this.listed = JSON.stringify(found);
+    if (this.listed === (this.listed = JSON.stringify(found))) return;
     const item = ([words, root], place) => {
       const named = { id: `${this.id}-root-${place}`, "aria-label": `Set ${this.given.label} to ${words}` };
       const onclick = () => this.all.page.move(this.given, root);
@@ -237,7 +216,7 @@ class Curve {
 
   /** Returns the interval with 95 % of the metric for a normally distributed key, and its description; null without one. */
   band() {
-    const { given: { min, max }, metric: { label, unit }, present } = this, half = this.width(present), found = [];
+    const { given: { min, max }, metric: { label }, present } = this, half = this.width(present), found = [];
     if (!(half > 0) || this.isOutdated || !this.grid().every((value) => this.points.has(value))) return null;
     let all = 0, kept = 0;
     for (let z = -3.5; z <= 3.5; z += 0.01) {
@@ -253,7 +232,7 @@ class Curve {
     const quantile = (part) => { let sum = 0; return found.find(([, weight]) => (sum += weight) >= part * kept)[0]; };
     const [low, high] = [0.025, 0.975].map(quantile), without = 1 - kept / all;
     const about = `for a normal distribution with 95 % within ± ${this.keyText(half)}.`;
-    const words = [`${label} ${interval(low, high)} ${unit}`.trim() + ` (95 %), ${about}`];
+    const words = [`${label} from ${this.metricText(low)} to ${this.metricText(high)} (95 %), ${about}`];
     if (without > 1e-3) words.push(`${digits(100 * without, 2)} % of it are left out: outside the slider, or without a result.`);
     return { low, high, half, words: words.join(" ") };
   }
@@ -266,10 +245,8 @@ class Curve {
     const { log, min, max, label, unit } = this.given, { left, right, top, bottom, width, height } = PLOT;
     const here = this.present, now = this.at(here), sorted = this.sorted(), band = this.band(), found = this.found();
     const known = sorted.filter(([, value]) => !Number.isNaN(value)), aim = this.target === null ? [] : [this.target];
-    const scale = (key) => (log ? Math.log10(key) : key), xs = [scale(min), scale(max)];
     const ys = extent([...known.map(([, value]) => value), ...aim], 0.08);
-    const inside = (value, low, high) => Math.min(high, Math.max(low, value));
-    const X = (key) => left + ((scale(inside(key, min, max)) - xs[0]) / (xs[1] - xs[0])) * (right - left);
+    const X = (key) => left + (place(this.given, Math.min(max, Math.max(min, key))) / STEPS) * (right - left);
     const Y = (value) => bottom - ((value - ys[0]) / (ys[1] - ys[0])) * (bottom - top);
     const [factor, name] = prefixed(Math.max(Math.abs(min), Math.abs(max)), unit);
     const rule = (x1, y1, x2, y2, kind) => shape("line", { x1, y1, x2, y2, class: kind });
@@ -344,8 +321,12 @@ export class Curves {
   check() { this.#curves.forEach((curve) => curve.check()); }
   take() { this.#curves.forEach((curve) => curve.take()); }
 
-  /** Ends the run of a curve. */
-  halt(curve) { if (this.#running === curve) this.core.stop(); }
+  /** Stops a curve. */
+  halt(curve) {
+    curve.isStopped = true;
+    if (this.#running === curve) this.core.stop();
+    curve.draw();
+  }
 
   /** Runs the points of open curves, one at a time, while the page itself does not run. */
   async work() {
@@ -353,8 +334,7 @@ export class Curves {
       const curve = [...this.#curves.values()].find(({ isWaiting }) => isWaiting);
       if (!curve) return;
       this.#running = curve;
-      // A run ends with an error only if it is stopped, or if the worker is lost.
-      await this.#step(curve).catch((error) => { if (error.name !== "AbortError") curve.isStopped = true; });
+      await this.#step(curve).catch(() => { curve.isStopped = true; });
       this.#running = null;
       curve.draw();
     }
@@ -365,7 +345,9 @@ export class Curves {
     if (turn !== curve.turn) return;
     curve.isDone = !next;
     if (!next) return;
-    const found = await this.core.ask("point", { ...curve.request(next.value), metric: curve.metric.name });
+    const asked = this.core.ask("point", { ...curve.request(next.value), metric: curve.metric.name });
+    const refused = (error) => { if (error instanceof SimulatorError) return { why: error.message }; throw error; };
+    const found = await asked.then((value) => ({ value }), refused);
     curve.wall_s = (performance.now() - began) / 1e3;
     if (sign !== curve.sign || curve.isOutdated) return;
     curve.points.set(next.value, found);

@@ -6,7 +6,7 @@ import { Curves } from "./curve.js";
 import { Board } from "./board/board.js";
 import { byId, make } from "./dom.js";
 import { showLoop, showReport } from "./figures.js";
-import { copies, showFiles } from "./files.js";
+import { copies, sceneOf, showFiles, showFit } from "./files.js";
 import { digits, plain, quantity } from "./format.js";
 import { Live, switched } from "./live.js";
 import { MotorView } from "./motor.js";
@@ -27,11 +27,8 @@ const board = new Board(core);
 live.listen((moment) => motor.goto(moment));
 live.listen(() => showSwitch());
 
-const curves = new Curves(core.another(), {
-  ask: () => ask,
-  latest: () => latest,
-  hasRuns: () => opened?.kind === "runs",
-  isIdle: () => !running,
+const curves = new Curves(new Core(null, null, core), {
+  ask: () => ask, latest: () => latest, isIdle: () => !running, hasRuns: () => opened?.kind === "runs",
   move: (given, value) => { setKey(ask, given, value); controls(); run({ keep: true }); },
 });
 
@@ -104,6 +101,7 @@ async function openScene(given) {
   byId("switch").hidden = !opened.burst;
   byId("acts").hidden = opened.faults.length === 0 && !opened.burst;
   latest = null;
+  showFit(given.fit ?? null);
   curves.clear();
   controls();
   lastWall = 0;
@@ -265,10 +263,20 @@ byId("apply").addEventListener("click", () => {
   const same = scenes.find((entry) => entry.text === text);
   return same ? openScene({ name: same.name, sets: same.sets }) : openScene({ name: "my-scene.toml", text });
 });
-byId("open").addEventListener("change", async () => {
-  const file = byId("open").files[0];
-  if (file) openScene({ name: file.name, text: await file.text() });
-});
+/** Opens the first of some files. */
+async function openFile([file]) {
+  if (!file) return undefined;
+  say(`Reading ${file.name} …`);
+  return sceneOf(file, core).then(openScene, (error) => showError(error));
+}
+byId("open").addEventListener("change", () => openFile(byId("open").files));
+for (const kind of ["dragover", "drop"]) {
+  document.addEventListener(kind, (event) => {
+    if (byId("simulator").hidden || !event.dataTransfer?.types.includes("Files")) return;
+    event.preventDefault();
+    if (kind === "drop") openFile(event.dataTransfer.files);
+  });
+}
 byId("switch").addEventListener("click", () => {
   const { on_s, off_s } = switched(ask.burst(opened.burst), scope.moment, opened.duration_s);
   ask.bursts = { on_s, off_s };

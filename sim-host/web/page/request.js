@@ -10,11 +10,6 @@ export class Ask {
     Object.assign(this, { name, text, base: [...sets], moved: new Map(), bursts: null, faults: [], whole: false, faultCount: 0 });
   }
 
-  /** Returns a copy, whose values can be changed. */
-  copy() {
-    return Object.assign(new Ask(this), this, { moved: new Map(this.moved) });
-  }
-
   /** Returns the changes as `key=value`. */
   get sets() {
     const given = new Map();
@@ -46,11 +41,6 @@ export class Ask {
   /** Returns true if anything differs from the scene as the page opens it. */
   get changed() {
     return this.moved.size > 0 || this.bursts !== null || this.faults.length > 0;
-  }
-
-  /** Undoes all changes, including those with which the page opens it. */
-  reset() {
-    Object.assign(this, { base: [], moved: new Map(), bursts: null, faults: [] });
   }
 
   /** Returns the equivalent command line. */

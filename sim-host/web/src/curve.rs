@@ -10,24 +10,13 @@ use crate::request::Request;
 /// Largest width of the interval of a root, relative to the root.
 const ROOT_WIDTH_REL: f64 = 1e-6;
 
-/// A scene and the metric that is read from its run.
-#[derive(Clone, Debug, Deserialize)]
-pub struct Point {
-    /// Scene with the value of the key among its changes.
-    #[serde(flatten)]
-    pub request: Request,
-    /// Name of the metric.
-    pub metric: String,
-}
-
-impl Point {
-    /// Runs the scene. Returns the metric as `value`, or the reason that the run has none as `why`.
-    pub fn run(&self) -> Value {
-        self.value().map_or_else(|why| json!({ "why": why }), |value| json!({ "value": value }))
-    }
-
-    fn value(&self) -> Result<f64, String> {
-        let loaded = self.request.load()?;
+impl Request {
+    /// Runs the scene. Returns the requested metric.
+    ///
+    /// # Errors
+    /// The reason that the run has none.
+    pub fn point(&self) -> Result<f64, String> {
+        let loaded = self.load()?;
         let metrics = study::run(&loaded, Options::default()).map_err(|error| error.to_string())?.rest.metrics;
         match metrics.find("fault_code").filter(|code| *code != 0.0 && loaded.scene.runs == 1) {
             Some(code) => Err(format!("the run ends in fault {code}")),
@@ -66,26 +55,17 @@ impl Target {
 mod tests {
     use super::*;
 
-    fn root(target: f64, ends: [f64; 2], metric: impl Fn(f64) -> f64) -> (Value, usize) {
-        let mut search = Target { target, points: ends.map(|at| (at, metric(at))).to_vec() };
-        while let Some(next) = search.next()["next"].as_f64() {
-            search.points.push((next, metric(next)));
-        }
-        (search.next(), search.points.len())
-    }
-
-    /// The closed form of Coulomb friction: a third is left at a velocity ratio of one half.
     #[test]
-    fn a_target_is_found_by_single_runs_and_a_step_has_none() {
-        let point = |ratio: f64| {
-            let sets = vec!["contact.dahl.stiffness_n_per_m=1e12".into(), format!("excitation.velocity_ratio={ratio}")];
-            let request = Request { name: "contact-kinematic".into(), sets, ..Request::default() };
-            Point { request, metric: "friction_ratio".into() }.run()
+    fn a_root_is_found_and_a_step_has_none() {
+        let end = |metric: fn(f64) -> f64| {
+            let mut search = Target { target: 1.0, points: [0.0, 2.0].map(|at| (at, metric(at))).to_vec() };
+            while let Some(next) = search.next()["next"].as_f64() {
+                search.points.push((next, metric(next)));
+            }
+            search.next()
         };
-        let (end, runs) = root(1.0 / 3.0, [0.2, 0.9], |ratio| point(ratio)["value"].as_f64().expect("a metric"));
-        assert!((end["root"].as_f64().expect("a root") - 0.5).abs() < 1e-4 && runs < 12, "{end}");
-        assert!(point(-1.0)["why"].as_str().expect("a reason").contains("velocity_ratio"));
-        let (end, _) = root(1.0, [0.0, 1.0], |at| if at < 0.3 { 0.0 } else { 2.0 });
-        assert!(end["root"].is_null() && (end["at"].as_f64().expect("a value") - 0.3).abs() < 1e-5, "{end}");
+        let (root, step) = (end(|at| at * at), end(|at| if at < 0.3 { 0.0 } else { 2.0 }));
+        assert!((root["root"].as_f64().expect("a root") - 1.0).abs() < 1e-4, "{root}");
+        assert!(step["root"].is_null() && (step["at"].as_f64().expect("a value") - 0.3).abs() < 1e-5, "{step}");
     }
 }

@@ -27,6 +27,7 @@ mod catalogue;
 mod controls;
 mod curve;
 mod figures;
+mod measurement;
 mod motor;
 mod opened;
 mod outcome;
@@ -37,6 +38,6 @@ mod session;
 mod worker;
 
 pub use catalogue::{Entry, FIRST_SCENE, scenes};
-pub use curve::{Point, Target};
+pub use curve::Target;
 pub use request::Request;
 pub use session::Session;

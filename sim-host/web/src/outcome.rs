@@ -41,6 +41,6 @@ pub(crate) fn to_json(study: &Study) -> Value {
     })
 }
 
-fn table(block: &TableBlock) -> Value {
+pub(crate) fn table(block: &TableBlock) -> Value {
     json!({ "id": block.id, "title": block.title, "caption": block.caption, "header": block.header, "rows": block.rows })
 }

@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 use wasm_bindgen::prelude::*;
 
 use crate::board::{PagePort, simulated, talk, tell};
-use crate::{FIRST_SCENE, Point, Request, Session, Target, scenes};
+use crate::{FIRST_SCENE, Request, Session, Target, scenes};
 
 #[wasm_bindgen]
 extern "C" {
@@ -72,13 +72,19 @@ pub fn file(name: &str) -> String {
 /// Runs a scene for one of its metrics.
 #[wasm_bindgen]
 pub fn point(request: &str) -> String {
-    wrapped(parsed(request).map(|point: Point| point.run()))
+    wrapped(parsed(request).and_then(|request: Request| request.point()).map(Value::from))
 }
 
 /// Returns the next step of a search for a target.
 #[wasm_bindgen]
 pub fn target(request: &str) -> String {
     wrapped(parsed(request).map(|target: Target| target.next()))
+}
+
+/// Fits a circuit to a measured admittance.
+#[wasm_bindgen]
+pub fn fit(request: &str) -> String {
+    wrapped(parsed(request).and_then(|request: Request| request.fit()))
 }
 
 /// Talks to a board until the page leaves or the board is lost. It has no argument and no result,
