@@ -11,14 +11,10 @@ import { Ask } from "./request.js";
 const CURVE_STEPS = [0, 12, 6, 3, 9, 1, 5, 8, 11, 2, 4, 7, 10].map((place) => (place * STEPS) / 12);
 /** Longest run of a point with which a curve is computed again after a change, s. */
 const FOLLOW_LIMIT_S = 1;
-/** Largest number of points of a search for a target. */
-const MAX_SEARCH_POINTS = 40;
 /** Points for an uncertain key, in units of the half-width that contains 95 % of its values. */
 const BAND_POINTS = [-1.25, -1, -0.75, -0.5, -0.25, 0.25, 0.5, 0.75, 1, 1.25];
-/** Half-width that contains 95 % of a normal distribution, standard deviations. */
-const SIGMAS_95 = 1.96;
 /** Place of the plot in its picture, and the size of the picture. */
-const PLOT = { left: 46, right: 290, top: 22, bottom: 138, width: 300, height: 172 };
+const PLOT = { left: 46, right: 290, top: 30, bottom: 146, width: 300, height: 180 };
 
 /** Creates an element of a picture. */
 function shape(name, attributes, ...children) {
@@ -44,8 +40,6 @@ function marks(low, high, most, log, factor) {
 const rewrite = (node, words) => { if (node.textContent !== words) node.textContent = words; };
 
 class Curve {
-  /** Duration of the last run, s. */
-  wall_s = 0;
   /** Values of the key with `value` or, if the run has none, `why`. */
   points = new Map();
   target = null;
@@ -55,8 +49,7 @@ class Curve {
   width = () => 0;
 
   constructor(given, all) {
-    Object.assign(this, { given, all, id: `curve-${given.key}`, turn: 0 });
-    Object.assign(this, { isOpen: false, isStopped: false, isOutdated: false, isDone: false });
+    Object.assign(this, { given, all, id: `curve-${given.key}`, wall_s: 0, turn: 0, isOpen: false });
     this.place = make("div", { class: "curve", id: this.id, hidden: true });
     const named = { "aria-label": `Curve: ${given.label}`, "aria-controls": this.id, "aria-expanded": "false" };
     const onclick = () => this.toggle();
@@ -90,7 +83,10 @@ class Curve {
     this.roots = make("ul", { class: "roots mode", "aria-live": "polite" });
     this.place.replaceChildren(this.picture, this.words, this.line);
     if (this.given.whole) return;
-    const target = number(`${this.id}-target`, () => this.seek(target.valueAsNumber));
+    const target = number(`${this.id}-target`, () => {
+      Object.assign(this, { target: Number.isFinite(target.valueAsNumber) ? target.valueAsNumber : null, searches: null });
+      this.again();
+    });
     const blur = () => {
       const amount = Math.max(0, width.valueAsNumber || 0);
       this.width = (value) => (percent.value === "%" ? Math.abs(value * amount) / 100 : amount);
@@ -113,6 +109,7 @@ class Curve {
 
   /** Identifies all other values of the scene. */
   signature() { return JSON.stringify(this.request(0)); }
+  renew() { Object.assign(this, { points: new Map(), searches: null, sign: this.signature(), isOutdated: false }); }
 
   /** Computes the missing points, or all if another value has changed. */
   again() {
@@ -122,8 +119,6 @@ class Curve {
     this.draw();
     this.all.work();
   }
-
-  renew() { Object.assign(this, { points: new Map(), searches: null, sign: this.signature(), isOutdated: false }); }
 
   /** Follows a change of the scene. */
   check() {
@@ -135,11 +130,10 @@ class Curve {
 
   /** Takes the point of the latest run of the page. */
   take() {
-    const { page } = this.all, { metrics, sent } = page.latest() ?? {};
+    const { page } = this.all, { metrics, fault, sent } = page.latest() ?? {};
     if (!this.metric || this.isOutdated || sent !== JSON.stringify(page.ask().request)) return;
-    const value = metrics[this.metric.name], code = page.hasRuns() ? 0 : metrics.fault_code;
-    const why = code ? `the run ends in fault ${code}` : "the run has no such number";
-    this.points.set(this.present, code || !Number.isFinite(value) ? { why } : { value });
+    const value = metrics[this.metric.name], why = fault ? `the run ends in fault ${fault}` : "the run has no such number";
+    this.points.set(this.present, fault || !Number.isFinite(value) ? { why } : { value });
     this.draw();
   }
 
@@ -157,7 +151,7 @@ class Curve {
     this.searches ??= this.brackets();
     for (const search of this.searches.filter(({ end }) => !end)) {
       const step = await this.all.core.ask("target", { target, points: search.points });
-      if (step.next !== null && search.points.length < MAX_SEARCH_POINTS) return { value: step.next, search };
+      if (step.next !== null) return { value: step.next, search };
       search.end = step;
     }
     return null;
@@ -171,12 +165,6 @@ class Curve {
     const sorted = this.sorted(), after = sorted.findIndex(([other]) => other >= key), [x1, y1] = sorted[after] ?? [NaN, NaN];
     const [x0, y0] = sorted[after - 1] ?? [NaN, NaN];
     return x1 === key ? y1 : y0 + ((y1 - y0) * (key - x0)) / (x1 - x0);
-  }
-
-  /** Finds the values of the key at which the metric has this value. */
-  seek(target) {
-    Object.assign(this, { target: Number.isFinite(target) ? target : null, searches: null });
-    this.again();
   }
 
   /** Returns a search between each two neighbouring points with the target between them, or on it. */
@@ -220,7 +208,8 @@ class Curve {
     if (!(half > 0) || this.isOutdated || !this.grid().every((value) => this.points.has(value))) return null;
     let all = 0, kept = 0;
     for (let z = -3.5; z <= 3.5; z += 0.01) {
-      const weight = Math.exp(-z * z / 2), key = present + (z * half) / SIGMAS_95;
+      // 95 % are within 1.96 standard deviations.
+      const weight = Math.exp(-z * z / 2), key = present + (z * half) / 1.96;
       const value = key < min || key > max ? NaN : this.at(key);
       all += weight;
       if (Number.isNaN(value)) continue;
@@ -264,13 +253,13 @@ class Curve {
     this.picture.replaceChildren(
       ...(band ? wide(band).map(strip) : []),
       ...marks(min, max, 4, log, factor).flatMap(down), ...marks(...ys, 6, false, 1).flatMap(across),
-      note(2, 11, "start", named(this.metric.label, this.metric.unit)),
+      note(2, 10, "start", named(this.metric.label, this.metric.unit)),
       note((left + right) / 2, height - 5, "middle", named(label, name)),
       shape("path", { d: path.join("") }), ...known.map(([key, value]) => dot(X(key), Y(value), 2.2, "dot")),
       ...aim.map((value) => rule(left, Y(value), right, Y(value), "target")),
       ...found.filter(([, root]) => root !== null).map(([, root]) => dot(X(root), Y(this.target), 4.5, "target")),
       rule(X(here), top, X(here), bottom, "here"), ...(Number.isNaN(now) ? [] : [dot(X(here), Y(now), 4.5, "here")]),
-      note(X(here) + shift, top + 9, side, "you are here"),
+      note(X(here) + shift, top - 4, side, "you are here"),
     );
     this.say(known, now);
     this.listRoots(found);
@@ -307,16 +296,13 @@ export class Curves {
 
   /** Returns the button of a slider's curve, and the element of the curve. */
   nodes(given) {
-    if (!this.#curves.has(given.key)) this.#curves.set(given.key, new Curve(given, this));
-    const { button, place } = this.#curves.get(given.key);
-    return [button, place];
+    const curve = this.#curves.get(given.key) ?? new Curve(given, this);
+    this.#curves.set(given.key, curve);
+    return [curve.button, curve.place];
   }
 
   /** Removes all curves, for another scene. */
-  clear() {
-    this.#curves.clear();
-    this.core.stop();
-  }
+  clear() { this.#curves.clear(); this.core.stop(); }
 
   check() { this.#curves.forEach((curve) => curve.check()); }
   take() { this.#curves.forEach((curve) => curve.take()); }

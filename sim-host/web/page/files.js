@@ -29,9 +29,8 @@ export async function sceneOf(file, core) {
 /** Shows the numbers and the warnings of a fit, or nothing. */
 export function showFit(fit) {
   const notes = (fit?.warnings ?? []).map((words) => make("p", { class: "caption" }, `Note: ${words}.`));
-  const parts = fit ? [make("h3", {}, `Circuit fitted to ${fit.name}`), ...fit.tables.map(table), ...notes] : [];
-  byId("fit").replaceChildren(...parts);
   byId("fit").hidden = !fit;
+  if (fit) byId("fit").replaceChildren(make("h3", {}, `Circuit fitted to ${fit.name}`), ...fit.tables.map(table), ...notes);
 }
 
 /** Makes a button copy the text of a field. */

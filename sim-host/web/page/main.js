@@ -28,7 +28,7 @@ live.listen((moment) => motor.goto(moment));
 live.listen(() => showSwitch());
 
 const curves = new Curves(new Core(null, null, core), {
-  ask: () => ask, latest: () => latest, isIdle: () => !running, hasRuns: () => opened?.kind === "runs",
+  ask: () => ask, latest: () => latest, isIdle: () => !running,
   move: (given, value) => { setKey(ask, given, value); controls(); run({ keep: true }); },
 });
 
@@ -264,10 +264,8 @@ byId("apply").addEventListener("click", () => {
   return same ? openScene({ name: same.name, sets: same.sets }) : openScene({ name: "my-scene.toml", text });
 });
 /** Opens the first of some files. */
-async function openFile([file]) {
-  if (!file) return undefined;
-  say(`Reading ${file.name} …`);
-  return sceneOf(file, core).then(openScene, (error) => showError(error));
+function openFile([file]) {
+  if (file) sceneOf(file, core).then(openScene, (error) => showError(error));
 }
 byId("open").addEventListener("change", () => openFile(byId("open").files));
 for (const kind of ["dragover", "drop"]) {

@@ -17,8 +17,7 @@ impl Request {
         let found = measured.and_then(|measured| fit(stem(&self.name), measured, None)).map_err(|error| {
             format!("error: {error}\n`sim-host import admittance {}` has options for columns and units.", self.name)
         })?;
-        let tables: Vec<Value> = found.tables().iter().map(table).collect();
         let scene = found.scene(&self.name).filter(|_| !found.is_doubtful());
-        Ok(json!({ "scene": scene, "tables": tables, "warnings": found.warnings }))
+        Ok(json!({ "scene": scene, "tables": found.tables().iter().map(table).collect::<Vec<_>>(), "warnings": found.warnings }))
     }
 }

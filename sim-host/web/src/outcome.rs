@@ -28,6 +28,7 @@ pub(crate) fn to_json(study: &Study) -> Value {
         "expectations": study.judged.len(),
         "headline": report.summary,
         "main": tables::main_metric(study),
+        "fault": crate::curve::fault(study),
         "paragraphs": report.paragraphs,
         "tables": report.tables.iter().map(table).collect::<Vec<_>>(),
         "appendix": report.appendix.iter().map(table).collect::<Vec<_>>(),

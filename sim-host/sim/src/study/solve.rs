@@ -173,7 +173,7 @@ impl Question<'_> {
         stop: &AtomicBool,
         done: &(dyn Fn() + Sync),
     ) -> Result<bool, SolveError> {
-        let mut search = Search::new(low, high, ROOT_WIDTH_REL);
+        let mut search = Search::new(low, high);
         let mut runs = 0;
         while let Some(next) = search.next().filter(|_| runs < MOST_RUNS) {
             let found = match self.run(Axis::of_value(&self.range.key, next), answer, stop, done) {
@@ -240,10 +240,9 @@ pub struct Search {
 }
 
 impl Search {
-    /// Creates a search between two points of different signs, down to this width relative to the
-    /// root.
-    pub fn new(low: (f64, f64), high: (f64, f64), width_rel: f64) -> Self {
-        Search { last: high, other: low, part: 0.5, least_width: width_rel * low.0.abs().max(high.0.abs()) }
+    /// Creates a search between two points of different signs.
+    pub fn new(low: (f64, f64), high: (f64, f64)) -> Self {
+        Search { last: high, other: low, part: 0.5, least_width: ROOT_WIDTH_REL * low.0.abs().max(high.0.abs()) }
     }
 
     /// Returns the next point; `None` at the end.
@@ -282,7 +281,7 @@ mod tests {
     use super::*;
 
     fn root(low: f64, high: f64, of: impl Fn(f64) -> f64) -> (f64, u32) {
-        let mut search = Search::new((low, of(low)), (high, of(high)), ROOT_WIDTH_REL);
+        let mut search = Search::new((low, of(low)), (high, of(high)));
         let mut runs = 0;
         while let Some(next) = search.next() {
             search.take(next, of(next));

@@ -27,7 +27,7 @@ const PASSES: usize = 100;
 /// Smallest width of an interval that is written with decimals.
 const MIN_DECIMAL: f64 = 1e-4;
 /// Lock times, which the headline of a single run does not have.
-const LOCK: [Line; 2] = [("lock time to 20 Hz", "lock_time_20hz_ms", "ms"), ("lock time to 4 Hz", "lock_time_4hz_ms", "ms")];
+pub const LOCK: [Line; 2] = [("lock time to 20 Hz", "lock_time_20hz_ms", "ms"), ("lock time to 4 Hz", "lock_time_4hz_ms", "ms")];
 /// Friction ratio, which the headline of a single run has with its numerical error.
 const FRICTION_RATIO: Line = ("friction ratio", "friction_ratio", "");
 
