@@ -167,6 +167,14 @@ pub fn headline(study: &Study) -> Vec<(String, String)> {
         .collect()
 }
 
+/// Returns the most important of the metrics that a study has.
+pub fn main_metric(study: &Study) -> Option<Line> {
+    let of_runs = study.monte_carlo().map_or(&[][..], |_| monte_carlo::table::HEADLINE);
+    let lines = monte_carlo::uncertainty::lines(study.scene);
+    let is_shown = |line: &&Line| study.monte_carlo().is_some() || !monte_carlo::uncertainty::LOCK.contains(line);
+    lines.iter().chain(of_runs).filter(is_shown).find(|(_, metric, _)| study.metrics.find(metric).is_some()).copied()
+}
+
 /// Describes in one line how the study was run.
 pub fn manner(study: &Study) -> String {
     match &study.outcome {

@@ -15,10 +15,10 @@ export class Core {
   #waiting = new Map();
   #count = 0;
 
-  /** Creates the simulator from the module, which is compressed text in the page. */
-  constructor(packed, script) {
-    this.script = URL.createObjectURL(new Blob([script], { type: "text/javascript" }));
-    this.#module = Core.#compile(packed);
+  /** Creates the simulator from the module, which is compressed text in the page, or is that of another one. */
+  constructor(packed, script, other = null) {
+    this.script = other?.script ?? URL.createObjectURL(new Blob([script], { type: "text/javascript" }));
+    this.#module = other ? other.#module : Core.#compile(packed);
     this.onprogress = () => {};
   }
 

@@ -1,5 +1,6 @@
-// Files of a result, and texts to copy.
-import { byId, download, make } from "./dom.js";
+// Files to open, files of a result, and texts to copy.
+import { SimulatorError } from "./core.js";
+import { byId, download, make, table } from "./dom.js";
 
 const FILES = [
   ["summary.json", "Metrics, JSON", "application/json"],
@@ -12,6 +13,24 @@ export function showFiles(ask, result, core) {
   const traced = result.scope !== null;
   byId("files").replaceChildren(...FILES.filter(([file]) => traced || file !== "trace.csv").map(([file, words, type]) =>
     make("button", { type: "button", "data-file": file, onclick: async () => download(`${ask.name.replace(/\.toml$/, "")}-${file}`, await core.ask("file", file), type) }, words)));
+}
+
+/** Reads a file as a scene to open; a measured admittance becomes the scene of its fitted circuit. */
+export async function sceneOf(file, core) {
+  const { name } = file, text = await file.text(), has = (heading) => heading.test(text.slice(0, 2000));
+  if (!/\.(csv|tsv|txt|dat|s[12]p)$/i.test(name)) return { name, text };
+  const other = has(/force|friction|slip|\bmu\b/i) ? "import friction" : has(/\btime|^"?t\b/im) ? "spectrum" : null;
+  if (other) throw new SimulatorError(`Use the command \`sim-host ${other} ${name}\` for this file.`);
+  const fit = await core.ask("fit", { name, text });
+  if (fit.scene === null) throw new SimulatorError(`The circuit does not describe ${name}: ${fit.warnings[0]}.`);
+  return { name: name.replace(/\.\w+$/, ".toml"), text: fit.scene, fit: { ...fit, name } };
+}
+
+/** Shows the numbers and the warnings of a fit, or nothing. */
+export function showFit(fit) {
+  const notes = (fit?.warnings ?? []).map((words) => make("p", { class: "caption" }, `Note: ${words}.`));
+  byId("fit").hidden = !fit;
+  if (fit) byId("fit").replaceChildren(make("h3", {}, `Circuit fitted to ${fit.name}`), ...fit.tables.map(table), ...notes);
 }
 
 /** Makes a button copy the text of a field. */

@@ -19,13 +19,18 @@ export function digits(value, count = 4) {
   return grouped(text.includes(".") ? text.replace(/\.?0+$/, "") : text);
 }
 
+/** Returns the most readable unit for values of this size, in units of the given one, and its name. */
+export function prefixed(size, unit) {
+  if (!PREFIXED.has(unit) || size === 0) return [1, unit];
+  const [factor, prefix] = PREFIXES.findLast(([factor]) => size >= 0.9999 * factor) ?? PREFIXES[0];
+  return [factor, `${prefix}${unit}`];
+}
+
 /** Formats a number with its unit, with the most readable prefix. */
 export function quantity(value, unit, count = 4) {
   if (value === null || value === undefined || !Number.isFinite(value)) return "–";
-  if (unit === "Hz" || !PREFIXED.has(unit) || value === 0) return `${digits(value, unit === "Hz" ? 8 : count)} ${unit}`.trim();
-  const size = Math.abs(value);
-  const [factor, prefix] = PREFIXES.findLast(([factor]) => size >= 0.9999 * factor) ?? PREFIXES[0];
-  return `${digits(value / factor, count)} ${prefix}${unit}`;
+  const [factor, name] = prefixed(Math.abs(value), unit);
+  return `${digits(value / factor, unit === "Hz" ? 8 : count)} ${name}`.trim();
 }
 
 /** Formats a number as in a scene's text. */

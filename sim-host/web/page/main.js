@@ -1,11 +1,12 @@
 // The page: choice of the scene, its runs, and the display of the result.
 import { Core, SimulatorError } from "./core.js";
-import { showControls } from "./controls.js";
+import { setKey, showControls } from "./controls.js";
 import { showCrash } from "./crash.js";
+import { Curves } from "./curve.js";
 import { Board } from "./board/board.js";
 import { byId, make } from "./dom.js";
 import { showLoop, showReport } from "./figures.js";
-import { copies, showFiles } from "./files.js";
+import { copies, sceneOf, showFiles, showFit } from "./files.js";
 import { digits, plain, quantity } from "./format.js";
 import { Live, switched } from "./live.js";
 import { MotorView } from "./motor.js";
@@ -26,6 +27,11 @@ const board = new Board(core);
 live.listen((moment) => motor.goto(moment));
 live.listen(() => showSwitch());
 
+const curves = new Curves(new Core(null, null, core), {
+  ask: () => ask, latest: () => latest, isIdle: () => !running,
+  move: (given, value) => { setKey(ask, given, value); controls(); run({ keep: true }); },
+});
+
 let scenes = [];
 let ask = null;
 let opened = null;
@@ -34,6 +40,7 @@ let again = null;
 let lastWall = 0;
 let calm = 0;
 let first = true;
+let latest = null;
 
 const say = (words) => { byId("status").textContent = words; };
 const entryOf = (name) => scenes.find((entry) => entry.name === name);
@@ -93,6 +100,9 @@ async function openScene(given) {
   byId("fault").closest(".faults").hidden = opened.faults.length === 0;
   byId("switch").hidden = !opened.burst;
   byId("acts").hidden = opened.faults.length === 0 && !opened.burst;
+  latest = null;
+  showFit(given.fit ?? null);
+  curves.clear();
   controls();
   lastWall = 0;
   return run();
@@ -105,7 +115,7 @@ function controls() {
     if (lastWall > AUTO_RUN_LIMIT_S) return say(`Changed. The last run took ${digits(lastWall, 2)} s: press Run to run it again.`);
     calm = setTimeout(() => run({ keep: true }), SLIDER_DELAY_MS);
     return undefined;
-  });
+  }, curves);
   chips();
 }
 
@@ -120,6 +130,7 @@ function chips() {
     ...ask.faults.map((fault) => chip(`${fault.label} at ${quantity(fault.at_s, "s", 5)}`, () => { ask.faults = ask.faults.filter((other) => other !== fault); })),
   );
   byId("reset").disabled = !ask.changed;
+  curves.check();
 }
 
 /** Runs the scene with its present changes, after any run in progress. */
@@ -133,11 +144,15 @@ async function run({ from = null, keep = false } = {}) {
   say(`Running ${ask.name} …`);
   const end = opened.kind === "runs" ? Number(ask.moved.get("runs")?.value ?? opened.sliders.find(({ key }) => key === "runs")?.value ?? 1) : opened.duration_s;
   core.onprogress = (reached) => { byId("bar").style.width = `${Math.min(100, (100 * reached) / end)}%`; };
-  const asked = ask, began = performance.now();
+  const asked = ask, sent = JSON.stringify(ask.request), began = performance.now();
   try {
-    const result = await core.ask("run", asked.request);
+    const result = await core.ask("run", sent);
     lastWall = (performance.now() - began) / 1e3;
-    if (asked === ask && again === null) await show(result, from, keep);
+    if (asked === ask && again === null) {
+      latest = { ...result, sent };
+      curves.take();
+      await show(result, from, keep);
+    }
   } catch (error) {
     if (asked === ask) showError(error);
   } finally {
@@ -149,6 +164,8 @@ async function run({ from = null, keep = false } = {}) {
     const next = again;
     again = null;
     run(next);
+  } else {
+    curves.work();
   }
 }
 
@@ -246,10 +263,18 @@ byId("apply").addEventListener("click", () => {
   const same = scenes.find((entry) => entry.text === text);
   return same ? openScene({ name: same.name, sets: same.sets }) : openScene({ name: "my-scene.toml", text });
 });
-byId("open").addEventListener("change", async () => {
-  const file = byId("open").files[0];
-  if (file) openScene({ name: file.name, text: await file.text() });
-});
+/** Opens the first of some files. */
+function openFile([file]) {
+  if (file) sceneOf(file, core).then(openScene, (error) => showError(error));
+}
+byId("open").addEventListener("change", () => openFile(byId("open").files));
+for (const kind of ["dragover", "drop"]) {
+  document.addEventListener(kind, (event) => {
+    if (byId("simulator").hidden || !event.dataTransfer?.types.includes("Files")) return;
+    event.preventDefault();
+    if (kind === "drop") openFile(event.dataTransfer.files);
+  });
+}
 byId("switch").addEventListener("click", () => {
   const { on_s, off_s } = switched(ask.burst(opened.burst), scope.moment, opened.duration_s);
   ask.bursts = { on_s, off_s };

@@ -16,7 +16,8 @@ export function ticks(low, high, most) {
 /** Returns the scale of an axis; a logarithmic axis uses logarithms. */
 const scaled = (axis) => (value) => (axis.log ? Math.log10(value) : value);
 
-function extent(values, room) {
+/** Returns the ends of some values, with room on both sides relative to their range. */
+export function extent(values, room) {
   let low = Infinity, high = -Infinity;
   for (const value of values) if (Number.isFinite(value)) [low, high] = [Math.min(low, value), Math.max(high, value)];
   if (low > high) return [0, 1];

@@ -43,11 +43,6 @@ export class Ask {
     return this.moved.size > 0 || this.bursts !== null || this.faults.length > 0;
   }
 
-  /** Undoes all changes, including those with which the page opens it. */
-  reset() {
-    Object.assign(this, { base: [], moved: new Map(), bursts: null, faults: [] });
-  }
-
   /** Returns the equivalent command line. */
   get command() {
     const quoted = (text) => (/^[\w.=+-]+$/.test(text) ? text : `'${text.replaceAll("'", "'\\''")}'`);

@@ -25,7 +25,9 @@
 pub mod board;
 mod catalogue;
 mod controls;
+mod curve;
 mod figures;
+mod measurement;
 mod motor;
 mod opened;
 mod outcome;
@@ -36,5 +38,6 @@ mod session;
 mod worker;
 
 pub use catalogue::{Entry, FIRST_SCENE, scenes};
+pub use curve::Target;
 pub use request::Request;
 pub use session::Session;

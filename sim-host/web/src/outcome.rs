@@ -27,6 +27,8 @@ pub(crate) fn to_json(study: &Study) -> Value {
         "passes": study.passes(),
         "expectations": study.judged.len(),
         "headline": report.summary,
+        "main": tables::main_metric(study),
+        "fault": crate::curve::fault(study),
         "paragraphs": report.paragraphs,
         "tables": report.tables.iter().map(table).collect::<Vec<_>>(),
         "appendix": report.appendix.iter().map(table).collect::<Vec<_>>(),
@@ -40,6 +42,6 @@ pub(crate) fn to_json(study: &Study) -> Value {
     })
 }
 
-fn table(block: &TableBlock) -> Value {
+pub(crate) fn table(block: &TableBlock) -> Value {
     json!({ "id": block.id, "title": block.title, "caption": block.caption, "header": block.header, "rows": block.rows })
 }

@@ -22,13 +22,18 @@ pub struct Request {
     /// simulated board.
     #[serde(default)]
     pub jumper: bool,
+    /// Metric of a point of a curve.
+    #[serde(default)]
+    pub metric: String,
 }
 
 impl Request {
     /// Loads the scene. The error has all messages of the command line.
     pub(crate) fn load(&self) -> Result<Loaded, String> {
         let loaded = match &self.text {
-            Some(text) => load_text(&self.name, text, &self.sets).map(|loaded| Loaded { name: stem(&self.name), ..loaded }),
+            Some(text) => {
+                load_text(&self.name, text, &self.sets).map(|loaded| Loaded { name: stem(&self.name).to_owned(), ..loaded })
+            }
             // A page has no files, so only built-in scenes are looked up.
             None if builtin::text(&self.name).is_some() => load::load(&self.name, &self.sets),
             None => return Err(format!("error: there is no built-in scene `{}`", self.name)),
@@ -52,6 +57,6 @@ pub(crate) fn message(error: &LoadError) -> String {
 }
 
 /// Returns the name of a file without its extension.
-fn stem(name: &str) -> String {
-    name.strip_suffix(".toml").unwrap_or(name).to_owned()
+pub(crate) fn stem(name: &str) -> &str {
+    name.rsplit_once('.').map_or(name, |(stem, _)| stem)
 }

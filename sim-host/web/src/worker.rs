@@ -4,11 +4,12 @@
 use std::cell::RefCell;
 use std::time::Duration;
 
+use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
 use wasm_bindgen::prelude::*;
 
 use crate::board::{PagePort, simulated, talk, tell};
-use crate::{FIRST_SCENE, Request, Session, scenes};
+use crate::{FIRST_SCENE, Request, Session, Target, scenes};
 
 #[wasm_bindgen]
 extern "C" {
@@ -68,6 +69,24 @@ pub fn file(name: &str) -> String {
     SESSION.with_borrow_mut(|session| wrapped(session.file(name).map(Value::from)))
 }
 
+/// Runs a scene for one of its metrics.
+#[wasm_bindgen]
+pub fn point(request: &str) -> String {
+    wrapped(parsed(request).and_then(|request: Request| request.point()).map(Value::from))
+}
+
+/// Returns the next step of a search for a target.
+#[wasm_bindgen]
+pub fn target(request: &str) -> String {
+    wrapped(parsed(request).map(|target: Target| target.next()))
+}
+
+/// Fits a circuit to a measured admittance.
+#[wasm_bindgen]
+pub fn fit(request: &str) -> String {
+    wrapped(parsed(request).and_then(|request: Request| request.fit()))
+}
+
 /// Talks to a board until the page leaves or the board is lost. It has no argument and no result,
 /// so that a browser can suspend it.
 #[wasm_bindgen]
@@ -85,10 +104,11 @@ pub fn connect() {
 }
 
 fn answer(request: &str, ask: impl FnOnce(&mut Session, &Request) -> Result<Value, String>) -> String {
-    match serde_json::from_str(request) {
-        Ok(request) => SESSION.with_borrow_mut(|session| wrapped(ask(session, &request))),
-        Err(error) => wrapped(Err(format!("error: invalid request from the page: {error}"))),
-    }
+    wrapped(parsed(request).and_then(|request| SESSION.with_borrow_mut(|session| ask(session, &request))))
+}
+
+fn parsed<T: DeserializeOwned>(request: &str) -> Result<T, String> {
+    serde_json::from_str(request).map_err(|error| format!("error: invalid request from the page: {error}"))
 }
 
 /// Serialises a result, or an error message.

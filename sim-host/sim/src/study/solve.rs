@@ -27,7 +27,7 @@ const ROOT_WIDTH_REL: f64 = 1e-9;
 const MOST_RUNS: u32 = 60;
 /// Largest distance of the metric from the target at a root, relative to the larger of the samples
 /// around it.
-const REACHED_REL: f64 = 1e-4;
+pub const REACHED_REL: f64 = 1e-4;
 /// Metric that is not a quantity.
 const FAULT_CODE: &str = "fault_code";
 
@@ -231,7 +231,7 @@ impl Question<'_> {
 
 /// Search for a root between two points of different signs: inverse quadratic interpolation where
 /// three points allow it, else bisection (T. R. Chandrupatla, Adv. Eng. Software 28 (1997) 145).
-struct Search {
+pub struct Search {
     last: (f64, f64),
     /// End on the other side of the root.
     other: (f64, f64),
@@ -241,19 +241,20 @@ struct Search {
 }
 
 impl Search {
-    fn new(low: (f64, f64), high: (f64, f64)) -> Self {
+    /// Creates a search between two points of different signs.
+    pub fn new(low: (f64, f64), high: (f64, f64)) -> Self {
         Search { last: high, other: low, part: 0.5, least_width: ROOT_WIDTH_REL * low.0.abs().max(high.0.abs()) }
     }
 
     /// Returns the next point; `None` at the end.
-    fn next(&self) -> Option<f64> {
+    pub fn next(&self) -> Option<f64> {
         let width = self.other.0 - self.last.0;
         let least = 0.5 * self.least_width / width.abs();
         (self.best().1 != 0.0 && least < 0.5).then(|| self.last.0 + self.part.clamp(least, 1.0 - least) * width)
     }
 
     /// Takes the value at the next point.
-    fn take(&mut self, at: f64, value: f64) {
+    pub fn take(&mut self, at: f64, value: f64) {
         let third = if (value < 0.0) == (self.last.1 < 0.0) { self.last } else { core::mem::replace(&mut self.other, self.last) };
         self.last = (at, value);
         let ((x1, f1), (x2, f2), (x3, f3)) = (self.last, self.other, third);
@@ -266,12 +267,12 @@ impl Search {
     }
 
     /// Returns the end that is nearer to the target.
-    fn best(&self) -> (f64, f64) {
+    pub fn best(&self) -> (f64, f64) {
         if self.last.1.abs() < self.other.1.abs() { self.last } else { self.other }
     }
 
     /// Returns both ends in ascending order.
-    fn interval(&self) -> ((f64, f64), (f64, f64)) {
+    pub fn interval(&self) -> ((f64, f64), (f64, f64)) {
         if self.last.0 < self.other.0 { (self.last, self.other) } else { (self.other, self.last) }
     }
 }

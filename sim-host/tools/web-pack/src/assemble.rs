@@ -23,7 +23,7 @@ pub struct Parts<'a> {
 }
 
 /// Modules of the page, each after those that it imports.
-const MODULES: [&str; 21] = [
+const MODULES: [&str; 22] = [
     "format.js",
     "dom.js",
     "lzma.js",
@@ -31,6 +31,7 @@ const MODULES: [&str; 21] = [
     "request.js",
     "controls.js",
     "path.js",
+    "curve.js",
     "scope.js",
     "live.js",
     "figures.js",

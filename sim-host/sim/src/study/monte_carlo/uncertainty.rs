@@ -30,7 +30,7 @@ const PASSES: usize = 100;
 /// Smallest width of an interval that is written with decimals.
 const MIN_DECIMAL: f64 = 1e-4;
 /// Lock times, which the headline of a single run does not have.
-const LOCK: [Line; 2] = [("lock time to 20 Hz", "lock_time_20hz_ms", "ms"), ("lock time to 4 Hz", "lock_time_4hz_ms", "ms")];
+pub const LOCK: [Line; 2] = [("lock time to 20 Hz", "lock_time_20hz_ms", "ms"), ("lock time to 4 Hz", "lock_time_4hz_ms", "ms")];
 /// Friction ratio, which the headline of a single run has with its numerical error.
 const FRICTION_RATIO: Line = ("friction ratio", "friction_ratio", "");
 
@@ -70,7 +70,7 @@ pub struct Shares {
 
 /// Returns the main metrics of a scene, the most important first: those of its expectations, which
 /// are its question, then those of a single run.
-pub(super) fn lines(scene: &Scene) -> Vec<Line> {
+pub fn lines(scene: &Scene) -> Vec<Line> {
     let contact = || table::HEADLINE[..1].iter().copied().chain([FRICTION_RATIO]).chain(table::HEADLINE[1..].iter().copied());
     let mut lines: Vec<Line> = match (&scene.controller, &scene.design) {
         (Some(_), _) => LOCK.into_iter().chain(instruments::headline()).collect(),
