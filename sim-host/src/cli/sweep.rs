@@ -208,7 +208,7 @@ fn sweep_into(args: &SweepArgs, loaded: &Loaded, sweep: &Sweep, color: Color) ->
             let crossings = target.and_then(|(target, rows)| Crossings::new(target, sweep, &joined.names.1, rows));
             match &args.target {
                 Some(_) if joined.rows.is_none() => {
-                    say!("note: the target is not searched in so many points: `sim-host solve` computes where it is");
+                    say!("note: crossings of a target are searched in at most 10 000 points: use `sim-host solve`");
                 }
                 Some(target) if crossings.is_none() => say!("note: no point has {}, so there is no crossing", target.metric),
                 _ => {}

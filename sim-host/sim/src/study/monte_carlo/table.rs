@@ -103,7 +103,8 @@ pub fn preface(runs: &MonteCarlo) -> String {
     )
 }
 
-/// Returns remarks on few runs and on uncertain ends, and the worst run with the command that repeats it.
+/// Returns remarks on few runs and on uncertain ends, and the worst run with the command that
+/// repeats it.
 pub fn remarks(study: &Study, runs: &MonteCarlo) -> Vec<String> {
     let few = (runs.runs.len() < MIN_INTERVAL_RUNS && !uncertainty::intervals(study.scene, runs).is_empty()).then(|| {
         format!("With fewer than {MIN_INTERVAL_RUNS} runs, the ends of an interval are the smallest and the largest value.")

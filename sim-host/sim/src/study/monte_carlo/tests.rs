@@ -121,8 +121,8 @@ fn stopped_runs_are_left_out() {
 }
 
 /// Flaws are worse than long times, and a missing lock is worse than a late one.
-/// One of 33 values is another one: the end of the interval is uncertain until there are so many
-/// runs that the part beyond it differs from 1 in 33.
+/// One of 33 values is another one: the end of the interval is uncertain until enough runs
+/// distinguish 1 in 33 from the 2.5 % beyond it.
 #[test]
 fn the_default_number_of_runs_grows_until_the_interval_is_known() {
     let list = format!("contact.dahl.mu={{ samples = [{}0.4] }}", "0.1, ".repeat(32));
