@@ -111,7 +111,7 @@ pub fn mark(all: &[Assumed], driven: bool, metric: &str) -> &'static str {
     if all.iter().any(follows) { " (assumed)" } else { "" }
 }
 
-/// Does the same for a metric of a study.
+/// Returns the mark of a metric of a study.
 fn mark_of(study: &Study, metric: &str) -> &'static str {
     mark(&study.assumed, study.scene.controller.is_some(), metric)
 }

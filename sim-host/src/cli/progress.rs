@@ -47,6 +47,10 @@ impl Progress {
 
     /// Shows the simulated time, s, or the number of runs that has been reached.
     pub(super) fn at(&mut self, reached: f64) {
+        // Runs are doubled until their interval is known.
+        while self.runs && reached > self.whole {
+            self.whole *= 2.0;
+        }
         if let Some(bar) = &self.bar {
             bar.set_position((STEPS as f64 * reached / self.whole) as u64);
         } else if !self.quiet && self.last_line.elapsed() >= LINE_EVERY {

@@ -109,7 +109,7 @@ pub(super) fn cause(error: SolveError) -> anyhow::Error {
     }
 }
 
-/// Prints a note on what else moves with these keys, and one on the values that nobody set.
+/// Prints a note on the values that move with these keys, and one on the values that nobody set.
 pub(super) fn note_keys(loaded: &Loaded, keys: &[&str], quiet: bool) {
     let notes = loaded.scene.coupled(keys).into_iter().chain(Assumed::remark(&loaded.assumed_with(keys)));
     notes.filter(|_| !quiet).for_each(|note| say!("note: {note}"));

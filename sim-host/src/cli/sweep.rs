@@ -82,7 +82,7 @@ fn presentation(drawing: &DrawingArgs, contours: &[f64]) -> Presentation {
 
 /// Parses the level of a contour line.
 fn level(text: &str) -> Result<f64, String> {
-    text.parse().ok().filter(|level: &f64| level.is_finite()).ok_or_else(|| "must be a number".to_owned())
+    text.parse().ok().filter(|level: &f64| level.is_finite()).ok_or_else(|| "must be a finite number".to_owned())
 }
 
 #[derive(Args)]
@@ -121,6 +121,9 @@ pub(super) fn run(args: &SweepArgs, color: Color) -> anyhow::Result<Exit> {
         }
         made => made?,
     };
+    if let Some(target) = &args.target {
+        target.check(sweep.design.count())?;
+    }
     note_keys(&loaded, &sweep.design.keys(), args.result.quiet);
     if plan {
         return estimate::run(&sweep, args.shard, args.result.format);
@@ -206,12 +209,8 @@ fn sweep_into(args: &SweepArgs, loaded: &Loaded, sweep: &Sweep, color: Color) ->
         Some(Some(joined)) => {
             let target = args.target.as_ref().zip(joined.rows.as_ref());
             let crossings = target.and_then(|(target, rows)| Crossings::new(target, sweep, &joined.names.1, rows));
-            match &args.target {
-                Some(_) if joined.rows.is_none() => {
-                    say!("note: crossings of a target are searched in at most 10 000 points: use `sim-host solve`");
-                }
-                Some(target) if crossings.is_none() => say!("note: no point has {}, so there is no crossing", target.metric),
-                _ => {}
+            if let (Some(target), None) = (&args.target, &crossings) {
+                say!("note: no point has {}, so there is no crossing", target.metric);
             }
             show((&joined, crossings.as_ref()), &dir, &args.result, color)
         }

@@ -18,11 +18,13 @@ export function showFiles(ask, result, core) {
 /** Reads a file as a scene to open; a measured admittance becomes the scene of its fitted circuit. */
 export async function sceneOf(file, core) {
   const { name } = file, text = await file.text(), has = (heading) => heading.test(text.slice(0, 2000));
-  if (!/\.(csv|tsv|txt|dat|s[12]p)$/i.test(name)) return { name, text };
-  const other = has(/force|friction|slip|\bmu\b/i) ? "import friction" : has(/\btime|^"?t\b/im) ? "spectrum" : null;
-  if (other) throw new SimulatorError(`Use the command \`sim-host ${other} ${name}\` for this file.`);
-  const fit = await core.ask("fit", { name, text });
-  if (fit.scene === null) throw new SimulatorError(`The circuit does not describe ${name}: ${fit.warnings[0]}.`);
+  if (!/\.(csv|tsv|txt|dat|s[12]p)$/i.test(name) || has(/^\s*(\[|base\s*=)/m)) return { name, text };
+  const fit = await core.ask("fit", { name, text }).catch((error) => {
+    // The heading decides only about a file that is not an admittance.
+    const other = has(/force|friction|slip|\bmu\b/i) ? "import friction" : has(/\btime|^"?t\b/im) ? "spectrum" : null;
+    throw other ? new SimulatorError(`Use the command \`sim-host ${other} ${name}\` for this file.`) : error;
+  });
+  if (fit.scene === null) throw new SimulatorError(`No scene can be made of ${name}${fit.warnings.map((why) => `: ${why}`)[0] ?? ""}.`);
   return { name: name.replace(/\.\w+$/, ".toml"), text: fit.scene, fit: { ...fit, name } };
 }
 

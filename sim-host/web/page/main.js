@@ -112,7 +112,10 @@ function controls() {
   showControls(byId("sliders"), opened, ask, () => {
     chips();
     clearTimeout(calm);
-    if (lastWall > AUTO_RUN_LIMIT_S) return say(`Changed. The last run took ${digits(lastWall, 2)} s: press Run to run it again.`);
+    if (lastWall > AUTO_RUN_LIMIT_S) {
+      curves.work();
+      return say(`Changed. The last run took ${digits(lastWall, 2)} s: press Run to run it again.`);
+    }
     calm = setTimeout(() => run({ keep: true }), SLIDER_DELAY_MS);
     return undefined;
   }, curves);

@@ -1,5 +1,6 @@
 //! A metric over a key: the points of a curve and the search for a target between two of them.
 
+use scene::load::Loaded;
 use serde::Deserialize;
 use serde_json::{Value, json};
 use sim::study::solve::{REACHED_REL, Search};
@@ -22,7 +23,8 @@ impl Request {
     /// # Errors
     /// The reason that the run has none.
     pub fn point(&self) -> Result<f64, String> {
-        let loaded = self.load()?;
+        // As many runs at each point: a jump of the number would be a jump of the metric.
+        let loaded = Loaded { default_runs: false, ..self.load()? };
         let study = study::run(&loaded, Options::default()).map_err(|error| error.to_string())?;
         match fault(&study) {
             Some(code) => Err(format!("the run ends in fault {code}")),

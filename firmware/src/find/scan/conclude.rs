@@ -1,4 +1,4 @@
-//! What a scan concludes: the resonances of a window, the chosen one, and the result.
+//! Conclusions of a scan: the resonances of a window, the chosen one, and the result.
 
 use heapless::Vec;
 

@@ -188,10 +188,13 @@ pub(super) fn run(loaded: &Loaded, options: Options, stop: &AtomicBool) -> Resul
         };
         runs.extend(more.into_iter().flatten());
         let is_known = uncertainty::end_error_rel(scene, &runs).is_none_or(|error| error < uncertainty::END_ERROR_REL);
-        if is_known || plan.is_stopped() || 2 * asked > most_runs(loaded) {
+        if is_known || 2 * asked > most_runs(loaded) {
             break;
         }
         asked *= 2;
+        if plan.is_stopped() {
+            break;
+        }
     }
     let wall_s = clock.zip(began).map(|(clock, began)| (clock() - began).as_secs_f64());
     let Statistics { mut metrics, endless } = statistics::combine(runs.iter().map(|run| &run.metrics));

@@ -6,11 +6,13 @@ use serde_json::{Map, Value, json};
 
 use super::super::solve::with_unit;
 use report::TableBlock;
-use scene::shown;
+use scene::{metrics, shown};
 use sim::numbers::number;
 use sim::study::sweep::design::Design;
-use sim::study::sweep::{Rows, Sweep};
+use sim::study::sweep::{Rows, Sweep, SweepError};
 
+/// Maximum number of points whose rows are in memory at the end.
+const MAX_SEARCHED: u64 = 10_000;
 /// Maximum number of crossings that are printed.
 const MAX_PRINTED: usize = 20;
 
@@ -35,23 +37,37 @@ impl FromStr for Target {
     }
 }
 
+impl Target {
+    /// Refuses what cannot be searched, before the sweep.
+    pub(super) fn check(&self, points: u64) -> Result<(), SweepError> {
+        let metric = metrics::known(&self.metric).map_err(SweepError::Metric)?;
+        let why = match metric {
+            "fault_code" => format!("`{metric}` is not a quantity with a target"),
+            _ if points > MAX_SEARCHED => {
+                format!("a target is searched in at most {MAX_SEARCHED} points: `sim-host solve` finds it with fewer runs")
+            }
+            _ => return Ok(()),
+        };
+        Err(SweepError::Metric(why))
+    }
+}
+
 /// Crossings of a target along one key of a sweep over every combination of its keys.
 pub(super) struct Crossings<'a> {
     target: &'a Target,
-    /// Name or path of the scene.
-    scene: &'a str,
-    keys: Vec<&'a str>,
+    sweep: &'a Sweep<'a>,
     /// Index of the key with the most values, along which the points are neighbours.
     along: usize,
-    /// Values of all keys at each crossing, in the order of the points.
-    found: Vec<Vec<f64>>,
+    /// Values of all keys at each crossing, and the last value of the key along which the metric
+    /// keeps the target.
+    found: Vec<(Vec<f64>, f64)>,
     /// Smallest and largest value of the metric.
-    range: Option<(f64, f64)>,
+    range: (f64, f64),
 }
 
 impl<'a> Crossings<'a> {
     /// Searches the rows of a complete sweep; `None` if its points are not every combination of the
-    /// keys, or the metric is not one of its columns.
+    /// keys, or none has the metric.
     pub(super) fn new(target: &'a Target, sweep: &'a Sweep, metrics: &[String], rows: &Rows) -> Option<Self> {
         let Design::Product(axes) = &sweep.design else { return None };
         let column = &rows.metrics[metrics.iter().position(|metric| *metric == target.metric)?];
@@ -61,67 +77,89 @@ impl<'a> Crossings<'a> {
         let stride: usize = counts[along + 1..].iter().product();
         // The averages of a run that ended in a fault do not count.
         let faulted = |row: usize| rows.fault_codes.get(row).is_some_and(|code| code.is_some_and(|code| code != 0));
-        let off = |row: usize| Some(column[row].filter(|_| !faulted(row))? - target.value);
-        let crossing = |row: usize| {
-            let (next, is_last) = (row + stride, row / stride % counts[along] + 1 == counts[along]);
-            let (here, there) = (off(row)?, if is_last { f64::NAN } else { off(next)? });
-            // A point on the target counts once: as the beginning of its interval.
-            let part = if here == 0.0 { 0.0 } else { here / (here - there) };
-            let crosses = here == 0.0 || here * there < 0.0;
-            crosses.then(|| {
-                let key = |(index, column): (usize, &Vec<f64>)| match index == along && part > 0.0 {
-                    true => axes[along].between(column[row], column[next], part),
-                    false => column[row],
-                };
-                rows.keys.iter().enumerate().map(key).collect()
-            })
-        };
-        let values = || column.iter().flatten().copied().filter(|value| value.is_finite());
-        let range = values().reduce(f64::min).zip(values().reduce(f64::max));
-        let found = (0..rows.points.len()).filter_map(crossing).collect();
-        Some(Crossings {
-            target,
-            scene: &sweep.loaded.origin,
-            keys: axes.iter().map(|axis| axis.key.as_str()).collect(),
-            along,
-            found,
-            range,
-        })
+        let off = |row: usize| column[row].filter(|value| value.is_finite() && !faulted(row)).map(|value| value - target.value);
+        let values = || (0..rows.points.len()).filter_map(off);
+        let range = values().reduce(f64::min).zip(values().reduce(f64::max))?;
+        let key = &rows.keys[along];
+        let mut found = Vec::new();
+        for first in (0..rows.points.len()).filter(|row| row / stride % counts[along] == 0) {
+            let mut line: Vec<usize> = (0..counts[along]).map(|place| first + place * stride).collect();
+            line.sort_by(|&a, &b| key[a].total_cmp(&key[b]));
+            let others = |value: f64| -> Vec<f64> {
+                let of = |(index, column): (usize, &Vec<f64>)| if index == along { value } else { column[first] };
+                rows.keys.iter().enumerate().map(of).collect()
+            };
+            // A metric that keeps the target over several points crosses it once.
+            for on in line.chunk_by(|&a, &b| off(a) == Some(0.0) && off(b) == Some(0.0)).filter(|on| off(on[0]) == Some(0.0)) {
+                found.push((others(key[on[0]]), key[on[on.len() - 1]]));
+            }
+            for pair in line.windows(2) {
+                if let (Some(here), Some(there)) = (off(pair[0]), off(pair[1]))
+                    && here * there < 0.0
+                {
+                    let at = axes[along].between(key[pair[0]], key[pair[1]], here / (here - there));
+                    found.push((others(at), at));
+                }
+            }
+        }
+        found.sort_by(|(a, _), (b, _)| {
+            let order = |values: &[f64]| {
+                values
+                    .iter()
+                    .enumerate()
+                    .filter(|(key, _)| *key != along)
+                    .map(|(_, x)| *x)
+                    .chain([values[along]])
+                    .collect::<Vec<_>>()
+            };
+            order(a).partial_cmp(&order(b)).unwrap_or(std::cmp::Ordering::Equal)
+        });
+        Some(Crossings { target, sweep, along, found, range: (range.0 + target.value, range.1 + target.value) })
     }
 
     /// Returns the crossings as a table, or as one sentence if there is none.
     pub(super) fn text(&self, styled: bool) -> String {
-        let Target { metric, value } = self.target;
-        let key = self.keys[self.along];
-        if self.found.is_empty() {
-            let (low, high) = self.range.map_or_else(|| ("–".to_owned(), "–".to_owned()), |(a, b)| (number(a), number(b)));
-            return format!(
-                "{metric} does not cross {} between neighbouring points: it is from {low} to {high}\n",
-                shown(*value)
-            );
+        let (Target { metric, value }, keys) = (self.target, self.sweep.design.keys());
+        let key = keys[self.along];
+        let (low, high) = self.range;
+        let target = shown(*value);
+        match &self.found[..] {
+            [] if low == high => return format!("{metric} is {} at all points\n", number(low)),
+            [] => {
+                let (low, high) = (number(low), number(high));
+                return format!("{metric} does not cross {target} between neighbouring points: it is from {low} to {high}\n");
+            }
+            _ => {}
         }
-        let header: Vec<String> = self.keys.iter().map(|key| with_unit(key)).collect();
-        let row = |values: &Vec<f64>| values.iter().map(|&value| number(value)).collect();
-        let others =
-            self.keys.iter().filter(|other| **other != key).map(|other| format!(" --set {other}=VALUE")).collect::<String>();
+        let header: Vec<String> = keys.iter().map(|key| with_unit(key)).collect();
+        let row = |(values, to): &(Vec<f64>, f64)| {
+            let cell = |(index, &value): (usize, &f64)| match index == self.along && *to > value {
+                true => format!("{} to {}", number(value), number(*to)),
+                false => number(value),
+            };
+            values.iter().enumerate().map(cell).collect()
+        };
         let more = self.found.len().saturating_sub(MAX_PRINTED);
+        let more = if more > 0 { format!("{more} more are in the JSON. ") } else { String::new() };
         let caption = format!(
-            "{}Interpolated between neighbouring points along {key}. To compute it: sim-host solve {}{others} --for {metric}={} --by \
-             {key}=LEAST:MOST",
-            if more > 0 { format!("{more} more are in the JSON. ") } else { String::new() },
-            self.scene,
-            shown(*value)
+            "{more}Interpolated between neighbouring points along {key}; `sim-host solve` with `--for {metric}={target}` and `--by {key}=…` \
+             computes it."
         );
         let rows = self.found.iter().take(MAX_PRINTED).map(row).collect();
-        TableBlock::new("crossings", &format!("Where {metric} is {}", shown(*value)), caption, &header, rows).terminal(styled)
+        TableBlock::new("crossings", &format!("Where {metric} is {target}"), caption, &header, rows).terminal(styled)
     }
 
     /// Returns the crossings as JSON.
     pub(super) fn json(&self) -> Value {
-        let keys =
-            |values: &Vec<f64>| self.keys.iter().zip(values).map(|(key, value)| ((*key).to_owned(), json!(value))).collect();
-        let found: Vec<Map<String, Value>> = self.found.iter().map(keys).collect();
-        json!({ "metric": self.target.metric, "value": self.target.value, "along": self.keys[self.along], "crossings": found })
+        let keys = self.sweep.design.keys();
+        let of = |(values, to): &(Vec<f64>, f64)| {
+            let mut found: Map<String, Value> =
+                keys.iter().zip(values).map(|(key, value)| ((*key).to_owned(), json!(value))).collect();
+            found.insert("to".to_owned(), json!(to));
+            Value::Object(found)
+        };
+        let found: Vec<Value> = self.found.iter().map(of).collect();
+        json!({ "metric": self.target.metric, "value": self.target.value, "along": keys[self.along], "crossings": found })
     }
 }
 
@@ -148,7 +186,7 @@ mod tests {
         let target = Target { metric: metric.clone(), value: target };
         let rows = rows(&design, of);
         let sweep = Sweep::new(&loaded, design, std::slice::from_ref(&metric)).unwrap();
-        Crossings::new(&target, &sweep, &[metric], &rows).unwrap().found
+        Crossings::new(&target, &sweep, &[metric], &rows).unwrap().found.into_iter().map(|(values, _)| values).collect()
     }
 
     #[test]
@@ -156,6 +194,7 @@ mod tests {
         let linear = |values: &[f64]| Some(values[0] + values[1]);
         let (mu, ratio) = ("contact.dahl.mu=1:5:5", "excitation.velocity_ratio=0.25,0.5");
         assert_eq!(found(&[mu, ratio], 3.5, linear), [[3.25, 0.25], [3.0, 0.5]]);
+        assert_eq!(found(&["contact.dahl.mu=5,1,3"], 2.5, |values| Some(values[0])), [[2.5]]);
         assert_eq!(found(&[ratio, mu], 3.5, linear), [[0.25, 3.25], [0.5, 3.0]]);
     }
 
@@ -163,6 +202,7 @@ mod tests {
     fn a_point_on_the_target_counts_once_and_gaps_have_no_crossing() {
         assert_eq!(found(&["contact.dahl.mu=1:5:5"], 3.0, |values| Some(values[0])), [[3.0]]);
         assert_eq!(found(&["contact.dahl.mu=1:5:5"], 5.0, |values| Some(values[0])), [[5.0]]);
+        assert_eq!(found(&["contact.dahl.mu=1:5:5"], 3.0, |values| Some(values[0].max(3.0))), [[1.0]]);
         assert!(found(&["contact.dahl.mu=1:5:5"], 3.5, |values| (values[0] != 4.0).then_some(values[0])).is_empty());
         let root = found(&["contact.dahl.stiffness_n_per_m=1:100:3:log"], 1.5, |values| Some(values[0].log10()))[0][0];
         assert!((root - 10f64.powf(1.5)).abs() < 1e-9, "{root}");

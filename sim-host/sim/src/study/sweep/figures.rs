@@ -70,7 +70,7 @@ pub fn all<E>(
         match &mut figure.map {
             Some(map) => map.contours = contours.to_vec(),
             None if contours.is_empty() => {}
-            None => figure.caption += " Contour lines need two keys with ranges instead of lists.",
+            None => figure.caption += " Contour lines need a map: two keys, each as START:STOP:N.",
         }
     }
     Ok(figures)
