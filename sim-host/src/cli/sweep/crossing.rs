@@ -82,7 +82,7 @@ impl<'a> Crossings<'a> {
         let range = values().reduce(f64::min).zip(values().reduce(f64::max))?;
         let key = &rows.keys[along];
         let mut found = Vec::new();
-        for first in (0..rows.points.len()).filter(|row| row / stride % counts[along] == 0) {
+        for first in (0..rows.points.len()).filter(|row| (row / stride).is_multiple_of(counts[along])) {
             let mut line: Vec<usize> = (0..counts[along]).map(|place| first + place * stride).collect();
             line.sort_by(|&a, &b| key[a].total_cmp(&key[b]));
             let others = |value: f64| -> Vec<f64> {
