@@ -68,9 +68,10 @@ pub(super) struct Crossings<'a> {
 impl<'a> Crossings<'a> {
     /// Searches the rows of a complete sweep; `None` if its points are not every combination of the
     /// keys, or none has the metric.
-    pub(super) fn new(target: &'a Target, sweep: &'a Sweep, metrics: &[String], rows: &Rows) -> Option<Self> {
+    pub(super) fn new(target: &'a Target, sweep: &'a Sweep, columns: &[String], rows: &Rows) -> Option<Self> {
         let Design::Product(axes) = &sweep.design else { return None };
-        let column = &rows.metrics[metrics.iter().position(|metric| *metric == target.metric)?];
+        let name = metrics::known(&target.metric).ok()?;
+        let column = &rows.metrics[columns.iter().position(|column| column == name)?];
         let counts: Vec<usize> = axes.iter().map(|axis| axis.count() as usize).collect();
         let along = (0..axes.len()).rev().max_by_key(|&axis| counts[axis])?;
         // The last axis changes fastest.
@@ -89,6 +90,7 @@ impl<'a> Crossings<'a> {
                 let of = |(index, column): (usize, &Vec<f64>)| if index == along { value } else { column[first] };
                 rows.keys.iter().enumerate().map(of).collect()
             };
+            let begun = found.len();
             // A metric that keeps the target over several points crosses it once.
             for on in line.chunk_by(|&a, &b| off(a) == Some(0.0) && off(b) == Some(0.0)).filter(|on| off(on[0]) == Some(0.0)) {
                 found.push((others(key[on[0]]), key[on[on.len() - 1]]));
@@ -101,19 +103,8 @@ impl<'a> Crossings<'a> {
                     found.push((others(at), at));
                 }
             }
+            found[begun..].sort_by(|(_, a), (_, b)| a.total_cmp(b));
         }
-        found.sort_by(|(a, _), (b, _)| {
-            let order = |values: &[f64]| {
-                values
-                    .iter()
-                    .enumerate()
-                    .filter(|(key, _)| *key != along)
-                    .map(|(_, x)| *x)
-                    .chain([values[along]])
-                    .collect::<Vec<_>>()
-            };
-            order(a).partial_cmp(&order(b)).unwrap_or(std::cmp::Ordering::Equal)
-        });
         Some(Crossings { target, sweep, along, found, range: (range.0 + target.value, range.1 + target.value) })
     }
 
