@@ -180,6 +180,25 @@ fn missing_headroom_is_reported_as_a_limit() {
     }
 }
 
+/// Near the current limit there is no current left for a boost. The edge is then that of the drive
+/// alone, so that short bursts vibrate as much as without a boost.
+#[test]
+fn bursts_near_the_current_limit_are_not_silent() {
+    let mean_power_w = |edge: &str, volts: f64| {
+        let edge = format!("controller.burst.edge={edge}");
+        let volts = format!("controller.drive.amplitude_v={volts}");
+        let bursts = ["controller.burst.period_s=1e-3", "controller.burst.duty=0.5", "duration_s=0.16"];
+        let (record, metrics) = boosted(&sets(&[&bursts[..], &[&edge, &volts]].concat()));
+        assert_eq!(metric(&metrics, "fault_code"), 0.0, "{edge}, {volts}");
+        let played: Vec<f64> = record.rows.iter().filter(|row| row.time_s > 0.1).map(|row| row.truth.power_w).collect();
+        played.iter().sum::<f64>() / played.len() as f64
+    };
+    for volts in [6.0, 9.0, 12.0, 15.0] {
+        let (boost, hard) = (mean_power_w("boost", volts), mean_power_w("hard", volts));
+        assert!(boost > 0.9 * hard, "{volts} V: {boost} W with boost, {hard} W without");
+    }
+}
+
 #[test]
 fn boost_is_refused_with_conflicting_settings() {
     let refused = |changes: &[&str]| load("burst", &sets(changes)).err().map(|error| error.to_string()).unwrap_or_default();

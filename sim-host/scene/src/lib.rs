@@ -136,7 +136,7 @@ pub struct Scene {
     /// Metrics over the values of some keys, run in addition to the scene itself.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub grid: Option<Grid>,
-    /// Comparison of cases at equal peak, rms or power; run after the scene itself.
+    /// Comparison of cases at equal peak, rms, power or reduction; run after the scene itself.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub comparison: Option<Comparison>,
     /// Signals that are recorded in addition to the standard figures.

@@ -72,6 +72,8 @@ pub enum Window {
     On,
     /// The blocks with the drive ON or OFF, for the load cell.
     LoadCell,
+    /// Whole periods of bursts, or the steady blocks of a continuous drive.
+    WholePeriods,
     /// The end of the first ON window of a belt under a horn.
     EndOfOn,
     /// The last set point of the friction switch.
@@ -104,11 +106,12 @@ pub enum Window {
 
 impl Window {
     /// All windows, in the order of the page.
-    pub const ALL: [Window; 18] = [
+    pub const ALL: [Window; 19] = [
         Window::Steady,
         Window::Off,
         Window::On,
         Window::LoadCell,
+        Window::WholePeriods,
         Window::EndOfOn,
         Window::SetPoint,
         Window::Periods,
@@ -132,6 +135,7 @@ impl Window {
             Window::Off => "OFF",
             Window::On => "ON",
             Window::LoadCell => "load cell",
+            Window::WholePeriods => "whole periods",
             Window::EndOfOn => "end of ON",
             Window::SetPoint => "set point",
             Window::Periods => "periods",
@@ -166,6 +170,10 @@ impl Window {
                  (`integrator.window_periods`)"
             }
             Window::LoadCell => "as OFF and ON, but starting 50 ms after an edge, because the cell is slow",
+            Window::WholePeriods => {
+                "whole periods of `controller.burst.period_s`, ON and OFF, starting 50 ms after the first burst or the last step \
+                 disturbance; for the friction switch, after its last set point; without bursts, the steady blocks"
+            }
             Window::EndOfOn => "the last 2 ms of the first ON window",
             Window::SetPoint => {
                 "whole burst periods starting 50 ms after the survey or the last set point, until the next set point or the end"

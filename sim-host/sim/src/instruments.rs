@@ -5,6 +5,7 @@
 //! list; an instrument that does not apply to a scene adds nothing. The presentation of contact
 //! studies and of several runs is in [`study`](crate::study).
 
+mod average;
 pub mod belt;
 mod belt_stop;
 mod carriage;
@@ -67,7 +68,7 @@ pub trait Instrument: Sync {
 }
 
 /// All instruments of a driven run, in the order of a report.
-pub static DRIVEN: [&dyn Instrument; 16] = [
+pub static DRIVEN: [&dyn Instrument; 17] = [
     &guard::Guard,
     &crash::Crash,
     &motor::Motor,
@@ -76,6 +77,7 @@ pub static DRIVEN: [&dyn Instrument; 16] = [
     &belt::Belt,
     &carriage::Carriage,
     &friction::Friction,
+    &average::Average,
     &edges::Edges,
     &lock::Lock,
     &circuit::Circuit,

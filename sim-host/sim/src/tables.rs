@@ -152,7 +152,7 @@ pub fn headline(study: &Study) -> Vec<(String, String)> {
     };
     // Averages of a run that ended in a fault are those before it.
     let is_fault = study.run().and_then(driven::fault).is_some();
-    let is_mean = |label: &str| ["friction", "velocity", "bias"].iter().any(|word| label.contains(word));
+    let is_mean = |label: &str| ["friction", "velocity", "bias", "power"].iter().any(|word| label.contains(word));
     let before = |label: &str| if is_fault && is_mean(label) { " (until the fault)" } else { "" };
     let until = |(label, value): (String, String)| {
         let value = value + before(&label);

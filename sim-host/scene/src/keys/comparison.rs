@@ -1,4 +1,4 @@
-//! `[comparison]`: cases of the scene with some keys changed, at equal peak, rms or power.
+//! `[comparison]`: cases of the scene with some keys changed, at equal peak, rms, power or reduction.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -18,7 +18,7 @@ pub struct Comparison {
     pub amplitude_key: String,
     /// Quantities that are equal between the cases, one table each.
     #[serde(rename = "match")]
-    #[schemars(length(min = 1, max = 3))]
+    #[schemars(length(min = 1, max = 4))]
     pub matched: Vec<Equal>,
     /// Further changes for every case, each as `key=value` (for example a shorter timeline).
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -52,6 +52,8 @@ pub enum Equal {
     Rms,
     /// The mean electrical power while ON: `drive_power_w`.
     Power,
+    /// The reduction of the mean friction, ON and OFF: `mean_reduction_percent`.
+    Reduction,
 }
 
 impl Equal {
@@ -61,13 +63,14 @@ impl Equal {
             Equal::Peak => None,
             Equal::Rms => Some("drive_rms_v"),
             Equal::Power => Some("drive_power_w"),
+            Equal::Reduction => Some("mean_reduction_percent"),
         }
     }
 
     /// Returns the exponent with which the metric grows with the amplitude in a linear plant.
     pub fn exponent(self) -> f64 {
         match self {
-            Equal::Peak | Equal::Rms => 1.0,
+            Equal::Peak | Equal::Rms | Equal::Reduction => 1.0,
             Equal::Power => 2.0,
         }
     }
@@ -78,6 +81,7 @@ impl Equal {
             Equal::Peak => "peak",
             Equal::Rms => "rms",
             Equal::Power => "power",
+            Equal::Reduction => "reduction",
         }
     }
 }

@@ -148,7 +148,7 @@ pub struct Expect {
     /// Case of the comparison, instead of the scene's own run. With `match`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub case: Option<String>,
-    /// Comparison at equal peak, rms or power. With `case`.
+    /// Comparison at equal peak, rms, power or reduction. With `case`.
     #[serde(rename = "match", skip_serializing_if = "Option::is_none")]
     pub matched: Option<Equal>,
     /// Smallest value that is expected.

@@ -3,7 +3,7 @@
 use super::Sign::{Code, Count, Error, Flag, Magnitude, Signed};
 use super::Window::{
     Blocks, Crash, Edges, End, EndOfOn, Event, Identified, LoadCell, Lock, Off, On, Periods, Run, Runs, SetPoint, Steady, Step,
-    Working,
+    WholePeriods, Working,
 };
 use super::{Metric, Sign, Window};
 
@@ -37,6 +37,10 @@ pub const METRICS: &[Metric] = &[
     row("load_cell_off_n", "N", Signed, LoadCell, "`friction_off_n` as read by the load cell"),
     row("load_cell_on_n", "N", Signed, LoadCell, "`friction_on_n` as read by the load cell"),
     row("load_cell_reduction_percent", "%", Signed, LoadCell, "`reduction_percent` from the readings of the load cell"),
+    row("mean_friction_n", "N", Signed, WholePeriods, "Friction of a sliding contact, mean over ON and OFF. Absent for bursts at given times"),
+    row("mean_reduction_percent", "%", Signed, WholePeriods, "Reduction of `mean_friction_n` from the friction without vibration, which is that of the settled OFF blocks or, if there are none, that before the first drive"),
+    row("mean_power_w", "W", Signed, WholePeriods, "Electrical power into the transducer, mean over ON and OFF, edges included"),
+    row("friction_saved_n_per_w", "N/W", Signed, WholePeriods, "Friction without vibration minus `mean_friction_n`, divided by `mean_power_w`"),
     row("velocity_ratio", "1", Magnitude, Steady, "Sliding speed divided by the amplitude of the vibration velocity. For a contact study, Vt divided by the steady velocity of a sine of this force and frequency without friction"),
     row("amplitude_fraction", "1", Magnitude, EndOfOn, "Amplitude of the horn, as a part of the full amplitude"),
     row("on_time_s", "s", Magnitude, Event, "Actual length of the first ON window of a belt under a horn"),

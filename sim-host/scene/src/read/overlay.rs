@@ -130,7 +130,7 @@ fn is_none(path: &str, value: &Value) -> bool {
 /// Returns `true` if the value removes a table or list of the scene, for example `grid = false`.
 fn is_removed(path: &str, value: &Value) -> bool {
     let may_be = || Schema::root().at(path).is_some_and(|schema| matches!(schema.kind(), Kind::Table | Kind::List));
-    matches!(value, Value::Flag(false)) && !path.contains('.') && may_be()
+    matches!(value, Value::Flag(false)) && may_be()
 }
 
 fn put_entry(list: &mut Vec<Node>, index: usize, entry: Entry, path: &str, problems: &mut Vec<Problem>) {

@@ -57,7 +57,10 @@ fn false_removes_a_table_or_list_of_the_base() {
     assert!(load_text("a.toml", &text("grid = false\n"), &[]).is_ok_and(|loaded| loaded.scene.grid.is_none()));
     says(&report(&text(""), &[]), &["grid"]);
     assert!(loaded(&["grid=false", "expect=false"]).grid.is_none());
-    says(&report(example(), &["controller.burst=false"]), &["`controller.burst` cannot be true or false"]);
+    let unswitched = load_text("a.toml", "base = \"friction-burst\"\n[controller]\nfriction = false\n", &[]).unwrap().scene;
+    assert!(unswitched.controller.unwrap().friction.is_none());
+    assert!(loaded(&["controller.burst=false"]).controller.unwrap().burst.is_none());
+    says(&report(example(), &["controller.drive=false"]), &["add [controller.drive]"]);
     says(&report(example(), &["grid=true"]), &["`grid` cannot be true or false"]);
 }
 

@@ -32,7 +32,9 @@ impl Instrument for Lock {
             return Vec::new();
         }
         let running = run.plays_from(Mode::Run).map_or("was not reached".to_owned(), |s| format!("began at {s:.3} s"));
-        vec![format!("There is no steady block with the drive ON, so most metrics are missing: mode Run {running}.")]
+        let bursts = run.scene.controller.burst.as_ref().is_some_and(|burst| burst.period_s.is_some());
+        let cause = if bursts { " No burst is long enough for one; means over whole bursts are measured." } else { "" };
+        vec![format!("There is no steady block with the drive ON, so most metrics are missing: mode Run {running}.{cause}")]
     }
 
     fn figures(&self, run: &View) -> Vec<Figure> {

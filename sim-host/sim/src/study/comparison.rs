@@ -1,4 +1,4 @@
-//! A comparison: cases at equal peak, rms or power.
+//! A comparison: cases at equal peak, rms, power or reduction.
 
 use std::sync::atomic::AtomicBool;
 
@@ -26,7 +26,7 @@ pub struct ComparisonResult {
     pub sweeps: Vec<SweepRecord>,
 }
 
-/// Cases at equal peak, rms or power.
+/// Cases at equal peak, rms, power or reduction.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Matched {
     /// Quantity that is equal in all cases.
@@ -37,7 +37,7 @@ pub struct Matched {
     pub cases: Vec<CaseResult>,
 }
 
-/// A case at equal peak, rms or power.
+/// A case at equal peak, rms, power or reduction.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CaseResult {
     /// Name of the case.

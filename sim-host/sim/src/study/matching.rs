@@ -2,12 +2,15 @@
 //! logarithms is `ln a <- ln a + ln(target / metric) / n`, with `n` the slope between the last two
 //! runs. Initially, `n` is the exponent of a linear plant (1 for a root mean square, 2 for a power,
 //! for which one step is the square root). Contact and converters make the plant slightly
-//! nonlinear, which takes a run or two more.
+//! nonlinear, which takes a run or two more. A reduction of friction has a threshold and saturates:
+//! once two runs have the target between them, the search continues there.
+
+use super::solve::Search;
 
 /// Relative deviation from the target that counts as equal.
 pub const CLOSE: f64 = 1e-3;
 /// Maximum number of runs. Codes are integers: at a small amplitude, no run may come close enough.
-const MOST_RUNS: usize = 12;
+const MOST_RUNS: usize = 20;
 
 /// Amplitude of a run, and its metric.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,30 +44,44 @@ pub enum Match {
         /// Run at the largest allowed amplitude.
         reached: Point,
     },
-    /// A run lacks the metric, or it is not above zero.
+    /// A run lacks the metric, or it is nowhere above zero.
     Unmeasured,
 }
 
-/// Finds the amplitude at which `measure` returns the target, beginning from an existing run.
+/// Finds the amplitude at which `measure` returns the target, beginning from an existing run. The
+/// metric must grow with the amplitude; it may be zero or negative at small ones.
 pub fn find<E>(
     first: Option<f64>,
     amplitude: f64,
     target: Target,
     mut measure: impl FnMut(f64) -> Result<Option<f64>, E>,
 ) -> Result<Match, E> {
-    let usable = |metric: Option<f64>| metric.filter(|metric| *metric > 0.0 && metric.is_finite());
     let (Some(first), true) = (usable(first), target.metric > 0.0) else { return Ok(Match::Unmeasured) };
-    let off = |point: &Point| (point.metric / target.metric - 1.0).abs();
+    let off = |point: &Point| point.metric / target.metric - 1.0;
     let mut last = Point { amplitude, metric: first };
     let mut best = last;
     let mut slope = target.exponent;
+    // Largest amplitude below the target, smallest above it.
+    let (mut below, mut above): (Option<Point>, Option<Point>) = (None, None);
+    let mut between: Option<Search> = None;
     for _ in 1..MOST_RUNS {
-        if off(&best) <= CLOSE {
+        if off(&best).abs() <= CLOSE {
             break;
         }
-        let needed = last.amplitude * (target.metric / last.metric).powf(1.0 / slope);
+        let side = if off(&last) < 0.0 { &mut below } else { &mut above };
+        let one_sided = side.replace(last).is_some();
+        let secant = last.amplitude * (target.metric / last.metric).powf(1.0 / slope);
+        let needed = match (&between, below.zip(above)) {
+            (Some(search), _) => search.next().unwrap_or(last.amplitude),
+            (None, Some((low, high))) if one_sided || last.metric <= 0.0 || secant <= low.amplitude || secant >= high.amplitude => {
+                let search = Search::new((low.amplitude, off(&low)), (high.amplitude, off(&high)));
+                between.insert(search).next().unwrap_or(last.amplitude)
+            }
+            (None, _) if last.metric > 0.0 => secant,
+            (None, _) => 2.0 * last.amplitude,
+        };
         if needed > target.allowed.1 && last.amplitude == target.allowed.1 {
-            return Ok(Match::Beyond { needs: needed, reached: last });
+            return Ok(if last.metric > 0.0 { Match::Beyond { needs: needed, reached: last } } else { Match::Unmeasured });
         }
         let next = needed.clamp(target.allowed.0, target.allowed.1);
         if next == last.amplitude {
@@ -72,15 +89,22 @@ pub fn find<E>(
         }
         let Some(metric) = usable(measure(next)?) else { return Ok(Match::Unmeasured) };
         let point = Point { amplitude: next, metric };
+        if let Some(search) = &mut between {
+            search.take(next, off(&point));
+        }
         let measured = (point.metric / last.metric).ln() / (point.amplitude / last.amplitude).ln();
         // Two runs that differ only by rounding do not determine the slope.
-        slope = if measured.is_finite() { measured.clamp(0.5 * target.exponent, 2.0 * target.exponent) } else { slope };
-        if off(&point) < off(&best) {
+        slope = if measured.is_finite() { measured.clamp(0.1 * target.exponent, 2.0 * target.exponent) } else { slope };
+        if off(&point).abs() < off(&best).abs() {
             best = point;
         }
         last = point;
     }
-    Ok(Match::At(best))
+    Ok(if best.metric > 0.0 { Match::At(best) } else { Match::Unmeasured })
+}
+
+fn usable(metric: Option<f64>) -> Option<f64> {
+    metric.filter(|metric| metric.is_finite())
 }
 
 #[cfg(test)]
@@ -113,6 +137,18 @@ mod tests {
         let (found, runs) = counted(3.0, 7.0, 2.0, 20.0, |a| Some(0.1 * a * a + 0.4 * a));
         let Match::At(point) = found else { panic!("{found:?}") };
         assert!(runs <= 3 && (point.metric / 7.0 - 1.0).abs() <= CLOSE, "{runs} {point:?}");
+    }
+
+    #[test]
+    fn a_metric_with_a_threshold_is_matched() {
+        // Coulomb friction under a vibration of velocity a: no reduction below a = 1.
+        let reduction = |a: f64| Some(if a > 1.0 { 1.0 - 2.0 / std::f64::consts::PI * (1.0 / a).asin() } else { -1e-12 });
+        for amplitude in [0.1, 0.5, 0.9, 1.01, 3.0] {
+            for target in [0.02, 0.155, 0.5, 0.9] {
+                let Match::At(point) = counted(amplitude, target, 1.0, 40.0, reduction).0 else { panic!("{amplitude} {target}") };
+                assert!((point.metric / target - 1.0).abs() <= CLOSE, "{amplitude} {target}: {point:?}");
+            }
+        }
     }
 
     #[test]

@@ -19,7 +19,7 @@ fn table(result: &ComparisonResult, matched: &Matched, host: &str) -> TableBlock
     let header = ["case", last_name(&comparison.amplitude_key)].into_iter().chain(comparison.metrics.iter().map(String::as_str));
     let row = |case: &CaseResult| {
         let cells = comparison.metrics.iter().map(|name| case.metric(name).map_or_else(|| "–".to_owned(), number));
-        [case.name.clone(), amplitude(case)].into_iter().chain(cells).collect()
+        [case.name.clone(), amplitude(case, matched.equal)].into_iter().chain(cells).collect()
     };
     TableBlock {
         id: format!("comparison-{}", matched.equal.name()),
@@ -31,9 +31,11 @@ fn table(result: &ComparisonResult, matched: &Matched, host: &str) -> TableBlock
 }
 
 /// Returns the amplitude, or the reason that there is none.
-fn amplitude(case: &CaseResult) -> String {
+fn amplitude(case: &CaseResult, equal: Equal) -> String {
     match case.standing {
         Standing::Equal { .. } => number(case.amplitude),
+        // A reduction saturates, so that its slope does not lead to the target.
+        Standing::Beyond { .. } if equal == Equal::Reduction => format!("more than {}", number(case.amplitude)),
         Standing::Beyond { needs } => format!("needs {}, at most {}", number(needs), number(case.amplitude)),
         Standing::Unmeasured { fault: Some(fault) } => format!("fault {}: {fault:?} at {}", fault.code(), number(case.amplitude)),
         Standing::Unmeasured { fault: None } => "cannot be matched".to_owned(),

@@ -107,7 +107,7 @@ impl Rules<'_> {
             let (given_key, key) = (last_name(given), last_name(missing));
             let problem =
                 Problem::new(self.key(given), format!("`{given_key}` needs `{key}` as well"), format!("without `{key}`"));
-            self.add(given, problem.help("a case is run at equal peak, rms or power: state which"));
+            self.add(given, problem.help("a case is run at equal peak, rms, power or reduction: state which"));
         }
     }
 

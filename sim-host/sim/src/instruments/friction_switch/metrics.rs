@@ -14,6 +14,9 @@ use scene::{Driven, Friction};
 /// Time after a new set point until it counts as held, s; amplitude and smoothed force have then
 /// settled.
 const HOLD_S: f64 = 0.05;
+/// Relative change of the friction from one block to the next below which a contact slides
+/// steadily.
+const STEADY_REL: f64 = 1e-3;
 
 /// Set point of the friction ratio, with its estimate and truth.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -45,13 +48,19 @@ impl Step {
 }
 
 impl<'a> View<'a> {
-    /// Returns the friction without vibration, N; for a carriage, which may be at rest, its sliding
-    /// friction.
+    /// Returns the friction without vibration, N: of settled OFF blocks, or of the last block before
+    /// the first drive if the contact already slid steadily. A carriage may be at rest; then it is
+    /// the sliding friction.
     pub fn silent_friction_n(&self) -> Option<f64> {
         if let Some((contact, carriage)) = self.scene.carriage() {
             return Some(contact.mu * carriage.normal_n);
         }
-        mean(self.settled(0.0, self.settle_s).map(|row| row.truth.friction_mean_n))
+        mean(self.settled(0.0, self.settle_s).map(|row| row.truth.friction_mean_n)).or_else(|| {
+            let before = &self.rows[..self.rows.iter().position(|row| row.envelope != 0.0)?];
+            let [.., earlier, last] = before else { return None };
+            let (earlier, last) = (earlier.truth.friction_mean_n, last.truth.friction_mean_n);
+            ((last - earlier).abs() <= STEADY_REL * last.abs()).then_some(last)
+        })
     }
 
     /// Returns the time from which the last set point is held, s.
@@ -73,7 +82,7 @@ impl<'a> View<'a> {
     }
 
     /// Returns the rows in whole burst periods, from [`HOLD_S`] after one time to another time.
-    fn whole_bursts(&self, from_s: f64, to_s: f64) -> &'a [Row] {
+    pub(in crate::instruments) fn whole_bursts(&self, from_s: f64, to_s: f64) -> &'a [Row] {
         let rows = self.after(from_s + HOLD_S);
         let rows = &rows[..rows.partition_point(|row| row.time_s < to_s)];
         let period_s = self.scene.controller.burst.as_ref().and_then(|burst| burst.period_s);

@@ -1,0 +1,47 @@
+//! Friction and power averaged over ON and OFF: the benefit of a drive, and its cost.
+
+use firmware::seam::mode::Mode;
+
+use super::{Instrument, Line, View};
+use crate::metrics::Metrics;
+use crate::record::Row;
+use report::statistics::mean;
+
+/// Instrument of a sliding contact under a continuous drive or periodic bursts. Bursts at given
+/// times have no period to average over.
+pub(super) struct Average;
+
+impl Instrument for Average {
+    fn metrics(&self, run: &View, metrics: &mut Metrics) {
+        let moves = run.scene.sliding().is_some_and(|(_, slider)| slider.speed_m_per_s != 0.0);
+        let Some(rows) = whole_periods(run).filter(|rows| moves && !rows.is_empty()) else { return };
+        let friction_n = mean(rows.iter().map(|row| row.truth.friction_mean_n));
+        let power_w = mean(rows.iter().map(|row| row.truth.power_w));
+        let silent_n = run.silent_friction_n();
+        let saved_n = silent_n.zip(friction_n).map(|(silent, friction)| silent - friction);
+        metrics.put("mean_friction_n", friction_n);
+        metrics.put("mean_power_w", power_w);
+        metrics.put("mean_reduction_percent", saved_n.zip(silent_n).map(|(saved, silent)| 100.0 * saved / silent));
+        metrics.put("friction_saved_n_per_w", saved_n.zip(power_w).filter(|&(_, power)| power > 0.0).map(|(saved, power)| saved / power));
+    }
+
+    fn headline(&self) -> &'static [Line] {
+        &[("mean friction reduction", "mean_reduction_percent", "%"), ("mean power", "mean_power_w", "W")]
+    }
+}
+
+/// Returns the blocks of whole burst periods after the last change, or all steady blocks of a
+/// continuous drive.
+fn whole_periods<'a>(run: &View<'a>) -> Option<Vec<&'a Row>> {
+    if let Some(held) = run.held() {
+        return Some(held.iter().collect());
+    }
+    match &run.scene.controller.burst {
+        None => Some(run.steady().collect()),
+        Some(burst) => {
+            burst.period_s?;
+            let from_s = run.steps_s.iter().copied().fold(run.plays_from(Mode::Run)?, f64::max);
+            Some(run.whole_bursts(from_s, f64::INFINITY).iter().collect())
+        }
+    }
+}
