@@ -4,8 +4,8 @@ use std::fmt::Write as _;
 
 use serde_json::{Value as Json, json};
 
-use super::draws::Interval;
 use super::fit::Stiffness;
+use super::interval::{Interval, interval};
 use super::model::Point;
 use super::{Condition, Conditions, Prediction};
 use report::{Axis, Figure, Report, Series, Style, TableBlock, rounded, rounded_to, significant};
@@ -65,9 +65,7 @@ impl Conditions {
             Stiffness::Identified => {}
         }
         if self.fit.model.has_trend {
-            let slice = &self.fit.slices[self.fit.chosen];
-            let trend = super::draws::interval(slice.fitted[1], &self.draws, |draw| draw.parameters.trend);
-            rows.push(row("exponent of mu over the speed", &trend));
+            rows.push(row("exponent of mu over the speed", &interval(&self.fit, |of| of.trend)));
         }
         if let Some([off, on]) = self.scatter {
             rows.push(vec![
