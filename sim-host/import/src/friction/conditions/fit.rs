@@ -16,7 +16,7 @@
 
 use nalgebra::{Cholesky, DMatrix};
 
-use super::interval::student;
+use super::interval::{MAX_FREEDOM, student};
 use super::measurement::Measurement;
 use super::model::{Model, Parameters, Point};
 use crate::error::ImportError;
@@ -127,6 +127,25 @@ fn least(slices: &[Slice]) -> f64 {
     slices.iter().map(|slice| slice.cost).fold(f64::INFINITY, f64::min)
 }
 
+/// Returns the indices of slices whose sum of squares is not above that of a neighbour.
+fn valleys(slices: &[Slice]) -> Vec<usize> {
+    let cost = |at: Option<usize>| at.and_then(|at| slices.get(at)).map_or(f64::INFINITY, |slice| slice.cost);
+    (0..slices.len()).filter(|at| slices[*at].cost <= cost(at.checked_sub(1)).min(cost(Some(at + 1)))).collect()
+}
+
+/// Scatter about a fit.
+#[derive(Default)]
+struct Scattered {
+    /// Relative scatter of OFF and ON.
+    scatter: [f64; 2],
+    /// Degrees of freedom of the scatter of OFF and ON.
+    freedom: [f64; 2],
+    /// Variance of each measurement.
+    variances: Vec<f64>,
+    /// Twice the negative logarithm of the likelihood.
+    deviance: f64,
+}
+
 struct Problem<'a> {
     measurements: &'a [Measurement],
     points: Vec<Point>,
@@ -138,27 +157,19 @@ struct Problem<'a> {
 impl Problem<'_> {
     fn solved(self, known: Option<(f64, f64)>) -> Result<Fit, ImportError> {
         let none = || ImportError::NoFit("no friction under vibration leads to these measurements".into());
-        let mut variances: Vec<f64> = self.measurements.iter().map(|m| m.sd * m.sd + (0.05 * m.mu).powi(2)).collect();
-        let (mut scatter, mut freedom) = ([0.0; 2], [f64::INFINITY; 2]);
+        let variances: Vec<f64> = self.measurements.iter().map(|m| m.sd * m.sd + (0.05 * m.mu).powi(2)).collect();
         let from = self.minimised(libm::log(KAPPA.1), &variances, None).ok_or_else(none)?;
         // The stiffness at which kappa is one at the typical measurement.
         let one = self.model.parameters(&from.parameters, 0.0);
         let on: Vec<f64> = self.points.iter().filter_map(|p| Some(libm::log(p.drive? / p.normal_n))).collect();
         let unit = one.ln_mu - one.ln_tip - on.iter().sum::<f64>() / on.len() as f64;
         let ends = (unit + libm::log(KAPPA.0), unit + libm::log(KAPPA.1));
-        let slices = self.grid(ends, &variances);
-        let best = slices.iter().min_by(|a, b| a.cost.total_cmp(&b.cost)).ok_or_else(none)?;
-        let mut all = [&best.fitted[..], &[best.ln_compliance]].concat();
-        for _ in 0..SCATTER_STEPS {
-            all = self.minimised_within(&all, ends, &variances).ok_or_else(none)?.parameters;
-            (scatter, freedom) = self.scatter(&all, ends, &variances);
-            let of = self.model.parameters(&all, all[self.model.count()]);
-            let variance = |(m, p): (&Measurement, &Point)| {
-                let scatter = scatter[usize::from(m.on)].max(MIN_SCATTER_REL);
-                m.sd * m.sd + (scatter * self.model.mu(&of, p)).powi(2)
-            };
-            variances = self.measurements.iter().zip(&self.points).map(variance).collect();
-        }
+        // The scatter about the wrong valley contains its misfit.
+        let coarse = self.grid(ends, &variances);
+        let start = |at: usize| [&coarse[at].fitted[..], &[coarse[at].ln_compliance]].concat();
+        let found = valleys(&coarse).into_iter().filter_map(|at| self.scattered(start(at), ends, &variances));
+        let likely = found.min_by(|a, b| a.deviance.total_cmp(&b.deviance));
+        let Scattered { scatter, freedom, variances, .. } = likely.ok_or_else(none)?;
         let max_rise = student(freedom[1]).powi(2);
         let mut slices = self.grid(ends, &variances);
         self.refine(&mut slices, max_rise, &variances);
@@ -175,6 +186,25 @@ impl Problem<'_> {
         slices.iter_mut().zip(&costs).for_each(|(slice, cost)| slice.rise = cost - costs[best]);
         let chosen = if stiffness == Stiffness::Rigid && known.is_none() { slices.len() - 1 } else { best };
         Ok(Fit { model: self.model, slices, best, chosen, max_rise, stiffness, scatter, freedom, variances })
+    }
+
+    /// Fits all parameters from a start, and the scatter about this fit.
+    fn scattered(&self, start: Vec<f64>, ends: (f64, f64), variances: &[f64]) -> Option<Scattered> {
+        let mut all = start;
+        let mut found = Scattered { variances: variances.to_vec(), ..Scattered::default() };
+        for _ in 0..SCATTER_STEPS {
+            all = self.minimised_within(&all, ends, &found.variances)?.parameters;
+            (found.scatter, found.freedom) = self.scatter(&all, ends, &found.variances);
+            let of = self.model.parameters(&all, all[self.model.count()]);
+            let variance = |(m, p): (&Measurement, &Point)| {
+                let scatter = found.scatter[usize::from(m.on)].max(MIN_SCATTER_REL);
+                m.sd * m.sd + (scatter * self.model.mu(&of, p)).powi(2)
+            };
+            found.variances = self.measurements.iter().zip(&self.points).map(variance).collect();
+            let squares = self.residuals(&of, &found.variances).into_iter().map(|r| r * r);
+            found.deviance = squares.zip(&found.variances).map(|(square, variance)| square + libm::log(*variance)).sum();
+        }
+        Some(found)
     }
 
     /// Fits the other parameters for each stiffness of a grid.
@@ -212,8 +242,8 @@ impl Problem<'_> {
             let all = self.minimised_within(&start, (near[0].ln_compliance, near[2].ln_compliance), variances)?.parameters;
             self.slice(all[self.model.count()], variances, Some(near[1].fitted.clone()))
         };
-        let is_valley = |near: &&[Slice]| near[1].cost < near[0].cost.min(near[2].cost);
-        let bottoms = slices.windows(3).filter(is_valley).filter_map(bottom).collect();
+        let inner = valleys(slices).into_iter().filter(|at| (1..slices.len().saturating_sub(1)).contains(at));
+        let bottoms = inner.filter_map(|at| bottom(&slices[at - 1..=at + 1])).collect();
         add(slices, bottoms);
         for _ in 0..MAX_REFINEMENTS {
             let limit = least(slices) + max_rise;
@@ -327,10 +357,9 @@ impl Problem<'_> {
             if free < MIN_FREEDOM {
                 return (0.0, free);
             }
-            // The noise within the measurements explains the residuals. The scatter that may be
-            // hidden in it has a variance of the residuals' only (Satterthwaite).
+            // Noise alone explains the residuals. The smaller they are, the less scatter they can hide.
             if sum(low) <= free {
-                return (0.0, free * (free / sum(low)).powi(2));
+                return (0.0, (free * (free / sum(low)).powi(2)).min(MAX_FREEDOM));
             }
             for _ in 0..60 {
                 let middle = 0.5 * (low + high);

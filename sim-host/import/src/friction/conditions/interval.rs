@@ -24,7 +24,7 @@ use super::model::Parameters;
 /// Probability of an interval.
 const INTERVAL: f64 = 0.95;
 /// Largest number of degrees of freedom; more are equal to infinitely many.
-const MAX_FREEDOM: f64 = 400.0;
+pub(super) const MAX_FREEDOM: f64 = 400.0;
 /// Step of a parameter for a derivative.
 const STEP: f64 = 1e-6;
 

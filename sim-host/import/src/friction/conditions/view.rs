@@ -58,7 +58,14 @@ impl Conditions {
     pub fn tables(&self, predictions: &[Prediction]) -> Vec<TableBlock> {
         let mut rows: Vec<Vec<String>> = self.values().iter().map(|(name, value)| row(name, value)).collect();
         match self.stiffness {
-            Stiffness::Rigid => rows.push(vec!["stiffness".into(), "not identified: rigid limit".into(), "-".into(), "-".into()]),
+            Stiffness::Rigid => {
+                // Only the lower end may be identified.
+                let (name, low) = match (self.stiffness_n_per_m(), self.fit.slices.first()) {
+                    (Some(of), Some(soft)) if soft.rise > self.fit.max_rise => ("stiffness_n_per_m", format!("{:.2e}", of.low)),
+                    _ => ("stiffness", "-".to_owned()),
+                };
+                rows.push(vec![name.into(), "not identified: rigid limit".into(), low, "-".into()]);
+            }
             Stiffness::Soft => {
                 rows.push(vec!["stiffness".into(), "only the upper end is identified".into(), "-".into(), "-".into()])
             }
