@@ -192,6 +192,35 @@ fn intervals_have_their_coverage() {
     assert!(inside.iter().all(|part| (92.0..=98.0).contains(part)), "{inside:?}");
 }
 
+/// A contact of kappa 1.66 lies in a narrow valley of the sum of squares, next to a long range of
+/// stiff contacts that are nearly as good.
+#[test]
+fn intervals_contain_a_narrow_valley_next_to_the_rigid_limit() {
+    const SEEDS: u64 = 20;
+    let (mu, tip, kappa) = (0.08, 0.457, 1.659);
+    let speeds = [5.0, 10.0, 20.0, 50.0, 100.0];
+    let ratios = speeds.map(|speed| integrated(1e-3 * speed / tip, kappa));
+    let truth = integrated(0.15 / tip, kappa);
+    let (mut inside, mut widths) = ([0; 2], 0.0);
+    for seed in 0..SEEDS {
+        let mut random = Random(Xoshiro256PlusPlus::seed_from_u64(seed));
+        let rows = speeds.iter().zip(ratios).flat_map(|(speed, ratio)| [(speed, 1.0, "OFF"), (speed, ratio, "ON")]);
+        let mut text = "time_s,speed_mm_s,force_n,normal_n,state\n".to_owned();
+        for (n, (speed, ratio, state)) in rows.flat_map(|row| std::iter::repeat_n(row, 20)).enumerate() {
+            let force = 13.7 * mu * ratio * (1.0 + 0.003 * random.normal());
+            text += &format!("{},{speed},{force},13.7,{state}\n", 0.01 * n as f64);
+        }
+        let fit = conditions(&[(&format!("valley{seed}.csv"), &text)], &Options::default());
+        let ratio = fit.predict(&"speed=150mm/s".parse().unwrap()).unwrap().fit;
+        for (count, (interval, truth)) in inside.iter_mut().zip([(fit.tip.unwrap(), tip), (ratio, truth)]) {
+            *count += u64::from((interval.low..=interval.high).contains(&truth));
+        }
+        widths += (ratio.high - ratio.low) / (SEEDS as f64 * truth);
+    }
+    // Of 20 fits, 95 % within two standard deviations of the count. Wide intervals would contain all.
+    assert!(inside.iter().all(|count| *count >= SEEDS - 3) && widths < 0.03, "{inside:?} of {SEEDS}, relative width {widths}");
+}
+
 /// Returns a log with steady parts of 40 samples, in the order of speeds, OFF and then ON.
 fn log(repeats: usize) -> String {
     let mut random = Random(Xoshiro256PlusPlus::seed_from_u64(1));

@@ -51,7 +51,7 @@ pub use keys::integrator::{Integrator, MeanWindow};
 pub use keys::measured_curve::Overlay;
 pub use keys::plant::{Amplifier, Bvd, LAW_FACTORS, Mode, Sensors, Stack, StackDesign, Thermal};
 pub use keys::profile::Profile;
-pub use keys::results::{Expect, Grid, Over, Signal, Trace, TraceFormat};
+pub use keys::results::{Expect, Grid, MAX_CONTOURS, Over, Signal, Trace, TraceFormat};
 pub use keys::rig::{Belt, Kinematic, Rig, Rotor, Sdof, Slider};
 pub use keys::stator::Stator;
 pub use keys::vary::{Range, Vary};

@@ -204,6 +204,7 @@ fn import_admittance(args: &AdmittanceArgs, color: Color) -> anyhow::Result<Exit
         report: found.report(&source),
         json: found.json(None),
         notes: notes(&found.warnings),
+        next_step: Some(found.next_step("{scene}")),
         source,
     })
 }
@@ -251,7 +252,7 @@ fn import_friction(args: &FrictionArgs, color: Color) -> anyhow::Result<Exit> {
             }
         };
         notes.extend(scene.as_ref().err().map(|missing| format!("note: no scene is written: it needs {missing}")));
-        Imported { scene: scene.ok(), samples: None, report, json, notes, source }
+        Imported { scene: scene.ok(), samples: None, report, json, notes, next_step: None, source }
     })
 }
 
@@ -274,6 +275,8 @@ struct Imported {
     json: Value,
     /// Notes about the result, a line each.
     notes: Vec<String>,
+    /// Lines after the path of the scene, which replaces `{scene}`.
+    next_step: Option<String>,
 }
 
 /// Writes and prints the result of an import.
@@ -317,6 +320,9 @@ fn finish<T>(
         say!("report: {}", folder.dir().join("report.html").display());
         if let Some(scene) = &written {
             say!("scene: {scene}; run it with `sim-host run {scene}`");
+            if let Some(next) = &found.next_step {
+                say!("{}", next.replace("{scene}", scene));
+            }
         }
     }
     Ok(Exit::Done)

@@ -15,6 +15,7 @@ use self::crossing::{Crossings, Target};
 use self::progress::Progress;
 use super::solve::note_keys;
 use super::{Color, DrawingArgs, Exit, Format, ResultArgs, interrupts, mistake};
+use scene::MAX_CONTOURS;
 use scene::load::{Loaded, load};
 use sim::output::sweep::{FolderError, Joined, Shard, SweepFolder, join};
 use sim::output::{Presentation, default_dir};
@@ -71,13 +72,17 @@ pub(super) struct SweepArgs {
     #[command(flatten)]
     drawing: DrawingArgs,
     /// Levels of contour lines in the maps over two keys, in the unit of the metric, for example
-    /// `0.5,0.9`.
+    /// `0.5,0.9`. At most 16.
     #[arg(long, value_name = "LEVEL,…", value_delimiter = ',', value_parser = level, allow_hyphen_values = true)]
     contour: Vec<f64>,
 }
 
-fn presentation(drawing: &DrawingArgs, contours: &[f64]) -> Presentation {
-    Presentation { contours: contours.to_vec(), ..drawing.presentation() }
+/// Returns the options of a report. `[grid] contours` of a scene has the same limit.
+fn presentation(drawing: &DrawingArgs, contours: &[f64]) -> anyhow::Result<Presentation> {
+    if contours.len() > MAX_CONTOURS {
+        return Err(mistake(Exit::Usage, format!("--contour: {} levels; at most {MAX_CONTOURS} are drawn", contours.len())));
+    }
+    Ok(Presentation { contours: contours.to_vec(), ..drawing.presentation() })
 }
 
 /// Parses the level of a contour line.
@@ -96,7 +101,7 @@ pub(super) struct MergeArgs {
     #[command(flatten)]
     drawing: DrawingArgs,
     /// Levels of contour lines in the maps over two keys, in the unit of the metric, for example
-    /// `0.5,0.9`.
+    /// `0.5,0.9`. At most 16.
     #[arg(long, value_name = "LEVEL,…", value_delimiter = ',', value_parser = level, allow_hyphen_values = true)]
     contour: Vec<f64>,
 }
@@ -162,6 +167,7 @@ fn metrics(args: &SweepArgs) -> Vec<String> {
 
 fn sweep_into(args: &SweepArgs, loaded: &Loaded, sweep: &Sweep, color: Color) -> anyhow::Result<Exit> {
     let dir = args.result.output.clone().unwrap_or_else(|| default_dir(&format!("{}-sweep", loaded.name)));
+    let shown = presentation(&args.drawing, &args.contour)?;
     let run = || -> Result<Option<Option<Joined>>, FolderError> {
         let folder = SweepFolder::open(&dir, sweep, args.shard, args.points.as_slice())?;
         for damaged in folder.damaged().iter().filter(|_| !args.result.quiet) {
@@ -192,7 +198,7 @@ fn sweep_into(args: &SweepArgs, loaded: &Loaded, sweep: &Sweep, color: Color) ->
         if !folder.is_whole()? {
             return Ok(Some(None));
         }
-        join(std::slice::from_ref(&dir), &dir, &presentation(&args.drawing, &args.contour)).map(|joined| Some(Some(joined)))
+        join(std::slice::from_ref(&dir), &dir, &shown).map(|joined| Some(Some(joined)))
     };
     let done = run()?;
     if args.result.format == Format::Json && !matches!(done, Some(Some(_))) {
@@ -220,7 +226,8 @@ fn sweep_into(args: &SweepArgs, loaded: &Loaded, sweep: &Sweep, color: Color) ->
 /// Joins the shards of a sweep.
 pub(super) fn merge(args: &MergeArgs, color: Color) -> anyhow::Result<Exit> {
     let target = args.result.output.as_ref().unwrap_or(&args.dirs[0]);
-    show((&join(&args.dirs, target, &presentation(&args.drawing, &args.contour))?, None), target, &args.result, color)
+    let shown = presentation(&args.drawing, &args.contour)?;
+    show((&join(&args.dirs, target, &shown)?, None), target, &args.result, color)
 }
 
 /// Returns a row for programs: its point, keys and metrics, the fault that ended the run, or the

@@ -10,9 +10,9 @@ use super::fit::Fit;
 use super::measured::Measured;
 use super::options::ModeChoice;
 use super::passivity;
-use super::scene_file::MAX_FURTHER_MODES;
+use super::scene_file::{MAX_FURTHER_MODES, SCENE_HZ};
 use crate::error::ImportError;
-use report::rounded;
+use report::{rounded, significant};
 
 /// Largest variance of the residuals, relative to their noise from point to point, for a scene.
 const MAX_SCENE_MISFIT: f64 = 40.0;
@@ -301,6 +301,14 @@ fn warnings(measured: &Measured, circuit: &Circuit, fit: &Fit) -> Vec<String> {
         ));
     }
     let (hz, q) = (circuit.series_resonance_hz.value, circuit.q.value);
+    if !SCENE_HZ.contains(&hz) {
+        warnings.push(format!(
+            "no scene is written: the resonance at {} kHz is outside the range that a scene can have, {} Hz to {} kHz",
+            significant(rounded(1e-3 * hz, 5)),
+            SCENE_HZ.start(),
+            1e-3 * SCENE_HZ.end()
+        ));
+    }
     let band = hz / q;
     let inside = measured.hz.iter().filter(|point| (*point - hz).abs() < 0.5 * band).count();
     if inside < MIN_BANDWIDTH_POINTS {

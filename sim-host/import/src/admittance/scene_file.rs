@@ -2,16 +2,15 @@
 //! the controller, and suitable converters.
 
 use std::fmt::Write as _;
+use std::ops::RangeInclusive;
 
 use super::result::{Admittance, Mode};
 use report::rounded;
 
 /// Sampling rate of the board's converters, Hz.
 const SAMPLE_HZ: f64 = 1e6;
-/// Smallest resonance that a scene can have, Hz.
-const MIN_RESONANCE_HZ: f64 = 100.0;
-/// Largest resonance that a scene can have, Hz.
-const MAX_RESONANCE_HZ: f64 = 450e3;
+/// Resonance that a scene can have, Hz.
+pub(super) const SCENE_HZ: RangeInclusive<f64> = 100.0..=450e3;
 /// Block lengths, samples.
 const BLOCK_SAMPLES: [u16; 2] = [32, 64];
 /// Minimum number of periods of the lowest frequency per block.
@@ -34,7 +33,7 @@ impl Admittance {
         let circuit = &self.circuit;
         let (hz, q) = (circuit.series_resonance_hz.value, circuit.q.value);
         let (rm, c0, lm) = (circuit.rm_ohm.value, circuit.c0_f.value, circuit.lm_h.value);
-        if !(MIN_RESONANCE_HZ..=MAX_RESONANCE_HZ).contains(&hz) {
+        if !SCENE_HZ.contains(&hz) {
             return None;
         }
         let room = circuit.parallel_resonance_hz.value / hz - 1.0;
@@ -43,9 +42,7 @@ impl Admittance {
         let lowest = hz * (1.0 - span);
         let block = BLOCK_SAMPLES.into_iter().find(|block| f64::from(*block) * lowest / SAMPLE_HZ >= MIN_PERIODS);
         let (block, sample_hz) = block.map_or((64, (64.0 * lowest / MIN_PERIODS).max(1e5)), |block| (block, SAMPLE_HZ));
-        let omega = std::f64::consts::TAU * hz;
-        let current = DRIVE_V * ((1.0 / rm).powi(2) + (omega * c0).powi(2)).sqrt();
-        let range_a = rounded(CURRENT_RANGE_RATIO * current, 2).clamp(1e-6, 1e3);
+        let range_a = self.current_limit_a();
         let ring_s = q / (std::f64::consts::PI * hz);
         let duration_s = rounded((0.3 + 300.0 * ring_s).min(10.0), 2);
         let title = format!("Measured transducer {}: cold start, identification, lock", self.name);
@@ -92,6 +89,22 @@ impl Admittance {
             further(&mut text, mode);
         }
         Some(text)
+    }
+
+    /// Returns the limit of the current in the scene, A peak.
+    fn current_limit_a(&self) -> f64 {
+        let (c, omega) = (&self.circuit, std::f64::consts::TAU * self.circuit.series_resonance_hz.value);
+        let current = DRIVE_V * ((1.0 / c.rm_ohm.value).powi(2) + (omega * c.c0_f.value).powi(2)).sqrt();
+        rounded(CURRENT_RANGE_RATIO * current, 2).clamp(1e-6, 1e3)
+    }
+
+    /// Returns the drive and the limit of the scene, and the command for its amplifier.
+    pub fn next_step(&self, scene: &str) -> String {
+        format!(
+            "it drives with {DRIVE_V} V peak and limits the current to {} A peak\namplifier for an amplitude and a force factor: \
+             `sim-host advise {scene} --amplifier --tip-m 3e-6 --set stack.bvd.force_factor_n_per_v=1`",
+            self.current_limit_a()
+        )
     }
 
     /// Returns the modes other than the working one, the strongest first.

@@ -6,8 +6,8 @@
 //! ```
 
 mod checks;
-mod draws;
 mod fit;
+mod interval;
 mod measurement;
 mod model;
 mod named;
@@ -22,8 +22,8 @@ use std::path::PathBuf;
 use super::log::Options;
 use super::quantity::{Columns, file_name};
 use crate::error::ImportError;
-pub use draws::Interval;
 pub use fit::Stiffness;
+pub use interval::Interval;
 pub use measurement::Measurement;
 pub use predict::{Prediction, Request};
 pub use table::Condition;
@@ -60,7 +60,6 @@ pub struct Conditions {
     /// `true` if the fit does not describe the measurements.
     pub is_doubtful: bool,
     fit: fit::Fit,
-    draws: Vec<draws::Draw>,
 }
 
 impl Conditions {
@@ -183,13 +182,12 @@ impl Conditions {
                 fit.model.count() + 1
             )));
         }
-        let draws = draws::draw(&fit);
         let slice = &fit.slices[fit.chosen];
         let of = fit.model.parameters(&slice.fitted, slice.ln_compliance);
         checks::check_off(&measurements, &fit.model, &of)?;
-        let mu = draws::interval(libm::exp(of.ln_mu), &draws, |draw| libm::exp(draw.parameters.ln_mu));
-        let tip = fits_tip.then(|| draws::interval(libm::exp(of.ln_tip), &draws, |draw| libm::exp(draw.parameters.ln_tip)));
-        let stiffness_s = draws::interval(libm::exp(of.ln_compliance), &draws, |draw| libm::exp(draw.parameters.ln_compliance));
+        let mu = interval::interval(&fit, |of| libm::exp(of.ln_mu));
+        let tip = fits_tip.then(|| interval::interval(&fit, |of| libm::exp(of.ln_tip)));
+        let stiffness_s = interval::interval(&fit, |of| libm::exp(of.ln_compliance));
         let scatter = fit.freedom[1].is_finite().then_some(fit.scatter);
         let conditions = table::conditions(&measurements, &fit);
         let mut warnings = table::warnings(&conditions, &fit);
@@ -222,7 +220,6 @@ impl Conditions {
             warnings,
             is_doubtful,
             fit,
-            draws,
         })
     }
 

@@ -5,6 +5,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::Equal;
 
+/// Largest number of contour lines in a map.
+pub const MAX_CONTOURS: usize = 16;
+
 /// Metrics at every combination of the values of some keys; each point is this scene with these
 /// values.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -18,7 +21,7 @@ pub struct Grid {
     /// Levels of the contour lines in the map of each metric, in the unit of the metric. Needs two
     /// keys with `from`, `to` and `points`.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    #[schemars(length(max = 16))]
+    #[schemars(length(max = MAX_CONTOURS))]
     pub contours: Vec<f64>,
     /// Keys that change; the last changes fastest.
     #[schemars(length(min = 1, max = 16))]

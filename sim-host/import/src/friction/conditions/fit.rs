@@ -9,12 +9,14 @@
 //! measurements to determine it (R. C. Paule, J. Mandel, J. Res. NBS 87 (1982) 377, here with
 //! leverages).
 //!
-//! The other parameters are fitted for each stiffness. A stiffness is as probable as the data make
-//! it, with a flat prior of its logarithm between the soft and the rigid limit. Data that do not
-//! determine the stiffness thus widen the intervals of everything that depends on it.
+//! The other parameters are fitted for each stiffness between the soft and the rigid limit. The sum
+//! of squares over the stiffness can have a narrow valley next to a long flat part: in both, the
+//! grid is refined until it resolves the stiffnesses that the data admit ([`super::interval`]).
+//! Data that do not determine the stiffness thus widen the intervals of all that depends on it.
 
 use nalgebra::{Cholesky, DMatrix};
 
+use super::interval::{MAX_FREEDOM, student};
 use super::measurement::Measurement;
 use super::model::{Model, Parameters, Point};
 use crate::error::ImportError;
@@ -24,10 +26,15 @@ use crate::least_squares::{Linear, Solution, minimise_within};
 /// Range of kappa at the typical measurement. At its ends, the ratio is that of a soft and of a
 /// rigid contact within 0.001.
 const KAPPA: (f64, f64) = (0.02, 1000.0);
-/// Number of stiffnesses of a grid.
+/// Number of stiffnesses of the first grid.
 const GRID: usize = 31;
-/// Maximum number of finer grids.
-const MAX_GRIDS: usize = 3;
+/// Maximum number of refinements of the grid.
+const MAX_REFINEMENTS: usize = 12;
+/// Maximum number of stiffnesses of the refined grid.
+const MAX_SLICES: usize = 150;
+/// Difference of the sums of squares of neighbouring stiffnesses that needs no refinement, relative
+/// to the largest rise.
+const RESOLVED_REL: f64 = 0.25;
 /// Maximum number of steps of a fit.
 const MAX_STEPS: usize = 60;
 /// Number of refinements of the scatter.
@@ -36,10 +43,6 @@ const SCATTER_STEPS: usize = 6;
 const MIN_SCATTER_REL: f64 = 1e-4;
 /// Smallest number of degrees of freedom for a scatter.
 pub(super) const MIN_FREEDOM: f64 = 1.5;
-/// Rise of the sum of squares, in variances, beyond which a stiffness is not in the fine grid.
-const MAX_RISE: f64 = 25.0;
-/// Rise of the sum of squares at a limit of the stiffness that excludes the limit, variances: 99 %.
-const EXCLUDED_RISE: f64 = 6.63;
 /// Decrease of the information criterion that demands a trend over the speed.
 const MIN_TREND_DECREASE: f64 = 6.0;
 /// Bounds of the tip velocity, relative to the slowest and the fastest measurement.
@@ -53,8 +56,8 @@ pub(super) struct Slice {
     pub(super) fitted: Vec<f64>,
     /// Normal matrix of each group of measurements.
     pub(super) matrices: [DMatrix<f64>; 2],
-    /// Probability.
-    pub(super) weight: f64,
+    /// Weighted sum of squares above the least one, with that of a known stiffness.
+    pub(super) rise: f64,
     /// Weighted sum of squares.
     cost: f64,
 }
@@ -73,9 +76,14 @@ pub enum Stiffness {
 /// Result of the fit.
 pub(super) struct Fit {
     pub(super) model: Model,
+    /// Fits in the order of their stiffness.
     pub(super) slices: Vec<Slice>,
+    /// Index of the slice with the least sum of squares.
+    pub(super) best: usize,
     /// Index of the slice whose parameters are the result.
     pub(super) chosen: usize,
+    /// Rise of the sum of squares that excludes a stiffness.
+    pub(super) max_rise: f64,
     pub(super) stiffness: Stiffness,
     /// Relative scatter of OFF and ON measurements.
     pub(super) scatter: [f64; 2],
@@ -114,6 +122,30 @@ fn demands_trend(off: &[(f64, f64)]) -> bool {
     criterion(rms(0.0), 1, count) - criterion(rms(slope), 2, count) > MIN_TREND_DECREASE
 }
 
+/// Returns the least sum of squares.
+fn least(slices: &[Slice]) -> f64 {
+    slices.iter().map(|slice| slice.cost).fold(f64::INFINITY, f64::min)
+}
+
+/// Returns the indices of slices whose sum of squares is not above that of a neighbour.
+fn valleys(slices: &[Slice]) -> Vec<usize> {
+    let cost = |at: Option<usize>| at.and_then(|at| slices.get(at)).map_or(f64::INFINITY, |slice| slice.cost);
+    (0..slices.len()).filter(|at| slices[*at].cost <= cost(at.checked_sub(1)).min(cost(Some(at + 1)))).collect()
+}
+
+/// Scatter about a fit.
+#[derive(Default)]
+struct Scattered {
+    /// Relative scatter of OFF and ON.
+    scatter: [f64; 2],
+    /// Degrees of freedom of the scatter of OFF and ON.
+    freedom: [f64; 2],
+    /// Variance of each measurement.
+    variances: Vec<f64>,
+    /// Twice the negative logarithm of the likelihood.
+    deviance: f64,
+}
+
 struct Problem<'a> {
     measurements: &'a [Measurement],
     points: Vec<Point>,
@@ -125,64 +157,54 @@ struct Problem<'a> {
 impl Problem<'_> {
     fn solved(self, known: Option<(f64, f64)>) -> Result<Fit, ImportError> {
         let none = || ImportError::NoFit("no friction under vibration leads to these measurements".into());
-        let mut variances: Vec<f64> = self.measurements.iter().map(|m| m.sd * m.sd + (0.05 * m.mu).powi(2)).collect();
-        let (mut scatter, mut freedom) = ([0.0; 2], [f64::INFINITY; 2]);
+        let variances: Vec<f64> = self.measurements.iter().map(|m| m.sd * m.sd + (0.05 * m.mu).powi(2)).collect();
         let from = self.minimised(libm::log(KAPPA.1), &variances, None).ok_or_else(none)?;
         // The stiffness at which kappa is one at the typical measurement.
         let one = self.model.parameters(&from.parameters, 0.0);
         let on: Vec<f64> = self.points.iter().filter_map(|p| Some(libm::log(p.drive? / p.normal_n))).collect();
         let unit = one.ln_mu - one.ln_tip - on.iter().sum::<f64>() / on.len() as f64;
         let ends = (unit + libm::log(KAPPA.0), unit + libm::log(KAPPA.1));
-        let slices = self.grid(ends, &variances);
-        let best = slices.iter().min_by(|a, b| a.cost.total_cmp(&b.cost)).ok_or_else(none)?;
-        let mut all = [&best.fitted[..], &[best.ln_compliance]].concat();
-        for _ in 0..SCATTER_STEPS {
-            all = self.minimised_within(&all, ends, &variances).ok_or_else(none)?.parameters;
-            (scatter, freedom) = self.scatter(&all, ends, &variances);
-            let of = self.model.parameters(&all, all[self.model.count()]);
-            let variance = |(m, p): (&Measurement, &Point)| {
-                let scatter = scatter[usize::from(m.on)].max(MIN_SCATTER_REL);
-                m.sd * m.sd + (scatter * self.model.mu(&of, p)).powi(2)
-            };
-            variances = self.measurements.iter().zip(&self.points).map(variance).collect();
-        }
+        // The scatter about the wrong valley contains its misfit.
+        let coarse = self.grid(ends, &variances);
+        let start = |at: usize| [&coarse[at].fitted[..], &[coarse[at].ln_compliance]].concat();
+        let found = valleys(&coarse).into_iter().filter_map(|at| self.scattered(start(at), ends, &variances));
+        let likely = found.min_by(|a, b| a.deviance.total_cmp(&b.deviance));
+        let Scattered { scatter, freedom, variances, .. } = likely.ok_or_else(none)?;
+        let max_rise = student(freedom[1]).powi(2);
         let mut slices = self.grid(ends, &variances);
-        let least_of = |slices: &[Slice]| slices.iter().map(|slice| slice.cost).fold(f64::INFINITY, f64::min);
+        self.refine(&mut slices, max_rise, &variances);
+        let data_least = least(&slices);
         let [soft, rigid] = [slices.first(), slices.last()].map(|slice| slice.map_or(f64::INFINITY, |slice| slice.cost));
-        // A finer grid of the stiffnesses near the best one, until it resolves their range.
-        let mut least = least_of(&slices);
-        for _ in 0..MAX_GRIDS {
-            let near = || slices.iter().filter(|slice| slice.cost - least < MAX_RISE).map(|slice| slice.ln_compliance);
-            if near().count() > GRID / 2 || slices.len() < 2 {
-                break;
-            }
-            let step = slices[1].ln_compliance - slices[0].ln_compliance;
-            let (low, high) = (near().fold(ends.1, f64::min), near().fold(ends.0, f64::max));
-            slices = self.grid(((low - step).max(ends.0), (high + step).min(ends.1)), &variances);
-            least = least_of(&slices);
-        }
-        let stiffness = match (soft - least > EXCLUDED_RISE, rigid - least > EXCLUDED_RISE) {
+        let stiffness = match (soft - data_least > max_rise, rigid - data_least > max_rise) {
             (_, false) => Stiffness::Rigid,
             (true, true) => Stiffness::Identified,
             (false, true) => Stiffness::Soft,
         };
-        let p = self.model.count();
-        let log_weight = |slice: &Slice| {
-            let rise = slice.cost - least;
-            let free = freedom[1].max(1.0);
-            let density = if free.is_finite() { -0.5 * (free + 1.0) * libm::log1p(rise / free) } else { -0.5 * rise };
-            let factor = Cholesky::new(&slice.matrices[0] + &slice.matrices[1]);
-            let half = factor.map_or(0.0, |factor| (0..p).map(|i| libm::log(factor.l_dirty()[(i, i)])).sum::<f64>());
-            density - half + known.map_or(0.0, |(ln, sd)| -0.5 * ((slice.ln_compliance - ln) / sd).powi(2))
-        };
-        let logs: Vec<f64> = slices.iter().map(log_weight).collect();
-        let most = logs.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        slices.iter_mut().zip(&logs).for_each(|(slice, log)| slice.weight = libm::exp(log - most));
-        let chosen = match stiffness {
-            Stiffness::Rigid if known.is_none() => slices.len() - 1,
-            _ => (0..slices.len()).max_by(|a, b| logs[*a].total_cmp(&logs[*b])).unwrap_or(0),
-        };
-        Ok(Fit { model: self.model, slices, chosen, stiffness, scatter, freedom, variances })
+        let with_known = |slice: &Slice| slice.cost + known.map_or(0.0, |(ln, sd)| ((slice.ln_compliance - ln) / sd).powi(2));
+        let costs: Vec<f64> = slices.iter().map(with_known).collect();
+        let best = (0..costs.len()).min_by(|a, b| costs[*a].total_cmp(&costs[*b])).ok_or_else(none)?;
+        slices.iter_mut().zip(&costs).for_each(|(slice, cost)| slice.rise = cost - costs[best]);
+        let chosen = if stiffness == Stiffness::Rigid && known.is_none() { slices.len() - 1 } else { best };
+        Ok(Fit { model: self.model, slices, best, chosen, max_rise, stiffness, scatter, freedom, variances })
+    }
+
+    /// Fits all parameters from a start, and the scatter about this fit.
+    fn scattered(&self, start: Vec<f64>, ends: (f64, f64), variances: &[f64]) -> Option<Scattered> {
+        let mut all = start;
+        let mut found = Scattered { variances: variances.to_vec(), ..Scattered::default() };
+        for _ in 0..SCATTER_STEPS {
+            all = self.minimised_within(&all, ends, &found.variances)?.parameters;
+            (found.scatter, found.freedom) = self.scatter(&all, ends, &found.variances);
+            let of = self.model.parameters(&all, all[self.model.count()]);
+            let variance = |(m, p): (&Measurement, &Point)| {
+                let scatter = found.scatter[usize::from(m.on)].max(MIN_SCATTER_REL);
+                m.sd * m.sd + (scatter * self.model.mu(&of, p)).powi(2)
+            };
+            found.variances = self.measurements.iter().zip(&self.points).map(variance).collect();
+            let squares = self.residuals(&of, &found.variances).into_iter().map(|r| r * r);
+            found.deviance = squares.zip(&found.variances).map(|(square, variance)| square + libm::log(*variance)).sum();
+        }
+        Some(found)
     }
 
     /// Fits the other parameters for each stiffness of a grid.
@@ -191,11 +213,54 @@ impl Problem<'_> {
         for n in 0..GRID {
             let ln_compliance = from + (to - from) * n as f64 / (GRID - 1) as f64;
             let last = slices.last().map(|slice| slice.fitted.clone());
-            let Some(found) = self.minimised(ln_compliance, variances, last) else { continue };
-            let matrices = [false, true].map(|on| self.matrix(&found.linear, on));
-            slices.push(Slice { ln_compliance, fitted: found.parameters, matrices, weight: 0.0, cost: found.cost });
+            slices.extend(self.slice(ln_compliance, variances, last));
         }
         slices
+    }
+
+    /// Fits the other parameters for one stiffness.
+    fn slice(&self, ln_compliance: f64, variances: &[f64], start: Option<Vec<f64>>) -> Option<Slice> {
+        let found = self.minimised(ln_compliance, variances, start)?;
+        let mut matrices = [false, true].map(|on| self.matrix(&found.linear, on));
+        if self.model.fits_tip {
+            // Without a reduction of friction, only the bounds limit the tip velocity.
+            let last = self.model.count() - 1;
+            matrices[1][(last, last)] += 12.0 / libm::log(self.tip.1 / self.tip.0).powi(2);
+        }
+        Some(Slice { ln_compliance, fitted: found.parameters, matrices, rise: 0.0, cost: found.cost })
+    }
+
+    /// Adds the minimum of each valley between stiffnesses of a grid, and then stiffnesses until
+    /// neighbours differ little wherever the data admit them.
+    fn refine(&self, slices: &mut Vec<Slice>, max_rise: f64, variances: &[f64]) {
+        let add = |slices: &mut Vec<Slice>, added: Vec<Slice>| {
+            slices.extend(added);
+            slices.sort_by(|a, b| a.ln_compliance.total_cmp(&b.ln_compliance));
+        };
+        let bottom = |near: &[Slice]| {
+            let start = [&near[1].fitted[..], &[near[1].ln_compliance]].concat();
+            let all = self.minimised_within(&start, (near[0].ln_compliance, near[2].ln_compliance), variances)?.parameters;
+            self.slice(all[self.model.count()], variances, Some(near[1].fitted.clone()))
+        };
+        let inner = valleys(slices).into_iter().filter(|at| (1..slices.len().saturating_sub(1)).contains(at));
+        let bottoms = inner.filter_map(|at| bottom(&slices[at - 1..=at + 1])).collect();
+        add(slices, bottoms);
+        for _ in 0..MAX_REFINEMENTS {
+            let limit = least(slices) + max_rise;
+            let is_coarse = |pair: &&[Slice]| {
+                pair[0].cost.min(pair[1].cost) < limit && (pair[0].cost - pair[1].cost).abs() > RESOLVED_REL * max_rise
+            };
+            let middle = |pair: &[Slice]| {
+                let start = if pair[0].cost < pair[1].cost { &pair[0] } else { &pair[1] };
+                let ln_compliance = 0.5 * (pair[0].ln_compliance + pair[1].ln_compliance);
+                self.slice(ln_compliance, variances, Some(start.fitted.clone()))
+            };
+            let middles: Vec<Slice> = slices.windows(2).filter(is_coarse).filter_map(middle).collect();
+            if middles.is_empty() || slices.len() + middles.len() > MAX_SLICES {
+                break;
+            }
+            add(slices, middles);
+        }
     }
 
     /// Returns the normal matrix of the measurements of a state.
@@ -289,8 +354,12 @@ impl Problem<'_> {
                 rows.iter().map(one).sum()
             };
             let (mut low, mut high) = (0.0, 10.0);
-            if free < MIN_FREEDOM || sum(low) <= free {
+            if free < MIN_FREEDOM {
                 return (0.0, free);
+            }
+            // Noise alone explains the residuals. The smaller they are, the less scatter they can hide.
+            if sum(low) <= free {
+                return (0.0, (free * (free / sum(low)).powi(2)).min(MAX_FREEDOM));
             }
             for _ in 0..60 {
                 let middle = 0.5 * (low + high);

@@ -3,9 +3,9 @@
 use std::str::FromStr;
 
 use super::Conditions;
-use super::draws::{Interval, interval};
+use super::interval::{Interval, interval, interval_of_new};
 use super::measurement::Measurement;
-use super::model::Point;
+use super::model::{Parameters, Point};
 use crate::error::ImportError;
 use crate::friction::quantity::Quantity;
 use columns::Unit;
@@ -124,14 +124,9 @@ impl Conditions {
         let point = Point { speed_m_per_s: request.speed_m_per_s, normal_n: normal_n.unwrap_or(1.0), drive: Some(drive) };
         let slice = &self.fit.slices[self.fit.chosen];
         let of = self.fit.model.parameters(&slice.fitted, slice.ln_compliance);
-        let (model, value) = (&self.fit.model, self.fit.model.ratio(&of, &point));
-        let fit = interval(value, &self.draws, |draw| model.ratio(&draw.parameters, &point));
-        let fit_and_scatter = self.scatter.map(|_| {
-            interval(value, &self.draws, |draw| {
-                let [off, on] = [0, 1].map(|state| 1.0 + draw.scatter[state] * draw.normal[state]);
-                model.ratio(&draw.parameters, &point) * on / off
-            })
-        });
+        let ratio = |of: &Parameters| self.fit.model.ratio(of, &point);
+        let fit = interval(&self.fit, ratio);
+        let fit_and_scatter = self.scatter.map(|_| interval_of_new(&self.fit, ratio));
         let mut outside = Vec::new();
         let ranges = [
             ("speed", Some(request.speed_m_per_s), range(&|m| Some(m.speed_m_per_s)), "m/s"),

@@ -4,8 +4,8 @@ use std::fmt::Write as _;
 
 use serde_json::{Value as Json, json};
 
-use super::draws::Interval;
 use super::fit::Stiffness;
+use super::interval::{Interval, interval};
 use super::model::Point;
 use super::{Condition, Conditions, Prediction};
 use report::{Axis, Figure, Report, Series, Style, TableBlock, rounded, rounded_to, significant};
@@ -58,16 +58,21 @@ impl Conditions {
     pub fn tables(&self, predictions: &[Prediction]) -> Vec<TableBlock> {
         let mut rows: Vec<Vec<String>> = self.values().iter().map(|(name, value)| row(name, value)).collect();
         match self.stiffness {
-            Stiffness::Rigid => rows.push(vec!["stiffness".into(), "not identified: rigid limit".into(), "-".into(), "-".into()]),
+            Stiffness::Rigid => {
+                // Only the lower end may be identified.
+                let (name, low) = match (self.stiffness_n_per_m(), self.fit.slices.first()) {
+                    (Some(of), Some(soft)) if soft.rise > self.fit.max_rise => ("stiffness_n_per_m", format!("{:.2e}", of.low)),
+                    _ => ("stiffness", "-".to_owned()),
+                };
+                rows.push(vec![name.into(), "not identified: rigid limit".into(), low, "-".into()]);
+            }
             Stiffness::Soft => {
                 rows.push(vec!["stiffness".into(), "only the upper end is identified".into(), "-".into(), "-".into()])
             }
             Stiffness::Identified => {}
         }
         if self.fit.model.has_trend {
-            let slice = &self.fit.slices[self.fit.chosen];
-            let trend = super::draws::interval(slice.fitted[1], &self.draws, |draw| draw.parameters.trend);
-            rows.push(row("exponent of mu over the speed", &trend));
+            rows.push(row("exponent of mu over the speed", &interval(&self.fit, |of| of.trend)));
         }
         if let Some([off, on]) = self.scatter {
             rows.push(vec![

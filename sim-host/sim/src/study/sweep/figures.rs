@@ -68,12 +68,18 @@ pub fn all<E>(
     }
     for figure in &mut figures {
         match &mut figure.map {
-            Some(map) => map.contours = contours.to_vec(),
+            Some(map) => map.contours = once(contours),
             None if contours.is_empty() => {}
             None => figure.caption += " Contour lines need a map: two keys, each as START:STOP:N.",
         }
     }
     Ok(figures)
+}
+
+/// Returns each level once, in the order of its first occurrence.
+fn once(levels: &[f64]) -> Vec<f64> {
+    let firsts = levels.iter().enumerate().filter(|(at, level)| !levels[..*at].contains(level));
+    firsts.map(|(_, level)| *level).collect()
 }
 
 fn figures_of(shape: &Shape, lines: bool, data: &Data) -> Vec<Figure> {
