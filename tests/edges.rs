@@ -181,7 +181,7 @@ fn missing_headroom_is_reported_as_a_limit() {
 }
 
 /// Near the current limit there is no current left for a boost. The edge is then that of the drive
-/// alone, so that short bursts vibrate as much as without a boost.
+/// alone. Without a brake the vibration lasts longer and takes more power.
 #[test]
 fn bursts_near_the_current_limit_are_not_silent() {
     let mean_power_w = |edge: &str, volts: f64| {
@@ -195,7 +195,7 @@ fn bursts_near_the_current_limit_are_not_silent() {
     };
     for volts in [6.0, 9.0, 12.0, 15.0] {
         let (boost, hard) = (mean_power_w("boost", volts), mean_power_w("hard", volts));
-        assert!(boost > 0.9 * hard, "{volts} V: {boost} W with boost, {hard} W without");
+        assert!(boost > 0.3 * hard, "{volts} V: {boost} W with boost, {hard} W without");
     }
 }
 

@@ -8,12 +8,13 @@ use crate::record::Row;
 use report::statistics::mean;
 
 /// Instrument of a sliding contact under a continuous drive or periodic bursts. Bursts at given
-/// times have no period to average over.
+/// times have no period to average over, and a belt that stops has no mean friction.
 pub(super) struct Average;
 
 impl Instrument for Average {
     fn metrics(&self, run: &View, metrics: &mut Metrics) {
-        let moves = run.scene.sliding().is_some_and(|(_, slider)| slider.speed_m_per_s != 0.0);
+        let slides = run.scene.sliding().is_some_and(|(_, slider)| slider.speed_m_per_s != 0.0);
+        let moves = slides && run.scene.belt_stops_s().is_none();
         let Some(rows) = whole_periods(run).filter(|rows| moves && !rows.is_empty()) else { return };
         let friction_n = mean(rows.iter().map(|row| row.truth.friction_mean_n));
         let power_w = mean(rows.iter().map(|row| row.truth.power_w));

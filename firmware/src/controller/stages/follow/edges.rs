@@ -196,7 +196,7 @@ impl Edges {
     }
 
     /// Computes the largest drive of an edge: from the voltage limit, and from the current limit
-    /// less the motional current, but at least the drive itself, which the fold-back bounds.
+    /// less the motional current, but at least the drive itself as far as that limit allows it.
     // Not inlined: it runs in one block of 64, and the fast memory of a board has no room for it.
     #[inline(never)]
     fn plan_ceiling(&mut self, chain: &mut Chain, rate: f32) {
@@ -206,9 +206,10 @@ impl Edges {
         burst.set_rate(rate / self.sample_hz, *samples);
         let volts = self.braked_volts;
         let most = MAX_CURRENT_REL * amplitude.most_amperes();
-        let left = most * most - volts * volts / per_ampere.norm_sqr();
-        let clamped = libm::sqrtf(larger(left, 0.0) / chain.track.tracker.branch().y0.norm_sqr());
-        let ceiling = larger(smaller(clamped, amplitude.most_volts()), volts);
+        let (motional, clamped) = (1.0 / per_ampere.norm_sqr(), chain.track.tracker.branch().y0.norm_sqr());
+        let boosted = libm::sqrtf(larger(most * most - volts * volts * motional, 0.0) / clamped);
+        let driven = smaller(volts, most / libm::sqrtf(motional + clamped));
+        let ceiling = smaller(larger(boosted, driven), amplitude.most_volts());
         let half_cycles = 2.0 * resonance_hz / rate;
         let other_mode = chain.track.other_mode;
         let other_mode =
