@@ -53,13 +53,7 @@ impl Found {
     ///
     /// # Errors
     /// Returns the options that a scene needs.
-    pub fn scene(
-        &self,
-        source: &str,
-        options: &Options,
-        predictions: &[Prediction],
-        is_forced: bool,
-    ) -> Result<String, String> {
+    pub fn scene(&self, source: &str, options: &Options, predictions: &[Prediction], is_forced: bool) -> Result<String, String> {
         match self {
             Found::Log(log) => log.scene(source, options),
             Found::Conditions(conditions, _) if conditions.is_doubtful && !is_forced => {

@@ -41,12 +41,14 @@ impl OpenedFile {
         let is_scene = text.lines().take(HEAD_LINES).any(|line| is_head(line.trim_start()));
         if is_scene || !["csv", "tsv", "txt", "dat", "s1p", "s2p"].contains(&ending.as_str()) {
             let text = columns::file::text(content);
-            return text.map(|text| json!({ "text": text })).map_err(|why| format!("error: cannot read the scene `{name}`: {why}"));
+            return text
+                .map(|text| json!({ "text": text }))
+                .map_err(|why| format!("error: cannot read the scene `{name}`: {why}"));
         }
         let measured = Measured::parse(name, &content, &Options::default());
         let error = match measured.and_then(|measured| fit(stem(name), measured, None)) {
             Ok(found) => {
-                let doubtful = "no scene is written: it needs `--force`, because the circuit does not describe the measurements";
+                let doubtful = "note: no scene is written: it needs `--force`, because the circuit does not describe the measurements";
                 let scene = found.scene(name).filter(|_| !found.is_doubtful()).ok_or_else(|| doubtful.to_owned());
                 let notes = found.warnings.iter().map(|warning| format!("note: {warning}")).collect();
                 return Ok(fitted(format!("Circuit fitted to {name}"), scene, &found.tables(), notes, false));
@@ -71,7 +73,8 @@ impl OpenedFile {
         let options = friction::Options { normal_n, frequency_hz, tip_m_per_s, ..friction::Options::default() };
         match import_content(name, content, &options) {
             Ok(found) => {
-                let scene = found.scene(name, &options, &[], false).map_err(|needed| format!("no scene is written: it needs {needed}"));
+                let scene =
+                    found.scene(name, &options, &[], false).map_err(|needed| format!("note: no scene is written: it needs {needed}"));
                 fitted(title, scene, &found.tables(&[]), found.notes(), true)
             }
             Err(error @ ImportError::InFile { .. }) => fitted(title, Err(format!("error: {error}")), &[], Vec::new(), true),
