@@ -24,11 +24,10 @@ use std::path::{Path, PathBuf};
 
 use crate::error::ImportError;
 use columns::file;
-use conditions::{Conditions, Prediction};
+use conditions::Conditions;
 pub use log::{Log, Options};
 pub use models::Model;
 use quantity::{Columns, Quantity};
-use report::TableBlock;
 pub use result::{Fitted, Friction};
 
 /// Result of files.
@@ -38,40 +37,6 @@ pub enum Found {
     /// Measurements without and with vibration, and the contact of the part without, if they are
     /// one log.
     Conditions(Box<Conditions>, Option<Box<Friction>>),
-}
-
-impl Found {
-    /// Returns the tables of the fit, with those of predictions.
-    pub fn tables(&self, predictions: &[Prediction]) -> Vec<TableBlock> {
-        match self {
-            Found::Log(log) => log.tables(),
-            Found::Conditions(conditions, _) => conditions.tables(predictions),
-        }
-    }
-
-    /// Returns the scene, also of a doubtful fit if `is_forced`. `source` is the measured file.
-    ///
-    /// # Errors
-    /// Returns the options that a scene needs.
-    pub fn scene(&self, source: &str, options: &Options, predictions: &[Prediction], is_forced: bool) -> Result<String, String> {
-        match self {
-            Found::Log(log) => log.scene(source, options),
-            Found::Conditions(conditions, _) if conditions.is_doubtful && !is_forced => {
-                Err("`--force`, because the fit does not describe the measurements".to_owned())
-            }
-            Found::Conditions(conditions, _) => conditions.scene(source, predictions),
-        }
-    }
-
-    /// Returns warnings and assumptions, one sentence each.
-    pub fn notes(&self) -> Vec<String> {
-        let (warnings, assumptions) = match self {
-            Found::Log(log) => (&log.warnings, &[][..]),
-            Found::Conditions(conditions, _) => (&conditions.warnings, &conditions.assumptions[..]),
-        };
-        let warnings = warnings.iter().map(|warning| format!("note: {warning}"));
-        warnings.chain(assumptions.iter().map(|assumed| format!("assumed: {assumed}"))).collect()
-    }
 }
 
 /// Fits a log without vibration, or the conditions of one or several files.

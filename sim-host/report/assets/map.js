@@ -22,7 +22,7 @@ for (const card of document.querySelectorAll(".map")) {
 
   const raise = (e, n) => "·10" + [...n].map((c) => (c === "-" ? "⁻" : "⁰¹²³⁴⁵⁶⁷⁸⁹"[c])).join("");
   const digits = (v) => String(Math.abs(v) >= 1e6 ? v.toExponential() : v).replace(/^-/, "−").replace(/e\+?(.+)/, raise);
-  const text = (n, ...v) => `${names[n]}: ${v[0] == null ? "no value" : `${v.map(digits).join(" to ")} ${units[n]}`.trim()}`;
+  const text = (n, v) => `${names[n]}: ${v == null ? "no value" : `${digits(v)} ${units[n]}`.trim()}`;
   const nearest = (i, j) => [Math.max(view[0], Math.min(view[1] - 1, i)), Math.max(view[2], Math.min(view[3] - 1, j))];
   const X = (column) => left + (column - view[0]) / (view[1] - view[0]) * width;
   const Y = (row) => top + height - (row - view[2]) / (view[3] - view[2]) * height;
@@ -65,7 +65,7 @@ for (const card of document.querySelectorAll(".map")) {
       copy.textContent = text;
     };
     const mark = (points) => draw(rules[0], { points: points.join(" ") }), end = top + height;
-    const [below, across] = [labels.find((node) => node.getAttribute("y") > top + height), labels.find((node) => node.getAttribute("x") < left)];
+    const [below, across] = ["middle", "end"].map((anchor) => labels.find((node) => node.matches(`[text-anchor=${anchor}]`)));
     for (const [at, text] of ticks(0, view[0], view[1], 10)) mark([X(at), end, X(at), end + 24]), draw(below, { x: X(at) }, text);
     for (const [at, text] of ticks(1, view[2], view[3], 8)) mark([left - 24, Y(at), left, Y(at)]), draw(across, { y: Y(at) }, text);
     mark([left, top, left, end, left + width, end]);
@@ -93,7 +93,7 @@ for (const card of document.querySelectorAll(".map")) {
     const across = (value) => X((value - left) / width * x.length), down = (value) => Y((top + height - value) / height * y.length);
     for (const [node, old] of parts) {
       const [x0, y0, w, h] = ["x", "y", "width", "height"].map((name) => Number(old.getAttribute(name)));
-      const points = old.getAttribute("points")?.match(/[\d.-]+/g).map((value, n) => (n % 2 ? down(value) : across(value))).join(" ");
+      const points = old.getAttribute("points")?.match(/[\d.-]+/g)?.map((value, n) => (n % 2 ? down(value) : across(value))).join(" ");
       if (node === image) set(node, { x: X(0), y: Y(y.length), width: X(x.length) - X(0), height: Y(0) - Y(y.length) });
       else set(node, points ? { points } : { x: across(x0 + w / 2) - w / 2, y: down(y0 + h / 2) - h / 2 });
     }

@@ -233,19 +233,23 @@ fn import_friction(args: &FrictionArgs, color: Color) -> anyhow::Result<Exit> {
         Ok((found, predictions?))
     };
     finish((common, owner), &args.files, import, color, |(found, predictions), source| {
-        let scene = found.scene(&source, &options, &predictions, args.force);
-        let (report, json) = match &found {
-            Found::Log(log) => (log.report(&source), log.json(None)),
+        let (scene, report, json, mut notes) = match &found {
+            Found::Log(log) => (log.scene(&source, &options), log.report(&source), log.json(None), notes(&log.warnings)),
             Found::Conditions(conditions, contact) => {
                 let (mut report, mut json) = (conditions.report(&predictions), conditions.json(&predictions));
+                let mut notes = notes(&conditions.warnings);
+                notes.extend(conditions.assumptions.iter().map(|assumed| format!("assumed: {assumed}")));
                 if let Some(contact) = contact {
                     report.figures.extend(contact.report(&source).figures);
                     json["off"] = contact.json(None);
                 }
-                (report, json)
+                let scene = match conditions.is_doubtful && !args.force {
+                    true => Err("`--force`, because the fit does not describe the measurements".to_owned()),
+                    false => conditions.scene(&source, &predictions),
+                };
+                (scene, report, json, notes)
             }
         };
-        let mut notes = found.notes();
         notes.extend(scene.as_ref().err().map(|missing| format!("note: no scene is written: it needs {missing}")));
         Imported { scene: scene.ok(), samples: None, report, json, notes, source }
     })

@@ -25,7 +25,7 @@ impl Friction {
     }
 
     /// Returns the tables: contact, models, correlations.
-    pub(super) fn tables(&self) -> Vec<TableBlock> {
+    pub fn tables(&self) -> Vec<TableBlock> {
         vec![self.contact_table(), self.models_table(), self.correlation_table()]
     }
 
