@@ -63,7 +63,7 @@ const LZMA_PRESET: u32 = 9;
 /// Packs the module to two thirds of the size by gzip; `page/lzma.js` unpacks it.
 fn lzma(bytes: &[u8]) -> Result<Vec<u8>> {
     // Instructions have no fixed length, so that bits of the position predict nothing.
-    let options = LzmaOptions { lc: 4, pb: 0, ..LzmaOptions::with_preset(LZMA_PRESET) };
+    let options = LzmaOptions { lc: 4, pb: 0, nice_len: LzmaOptions::NICE_LEN_MAX, ..LzmaOptions::with_preset(LZMA_PRESET) };
     let mut encoder = LzmaWriter::new_use_header(Vec::new(), &options, Some(bytes.len() as u64))?;
     encoder.write_all(bytes)?;
     Ok(encoder.finish()?)
