@@ -35,7 +35,7 @@ export function showFit(fit, again) {
     make("input", { type: "number", step: "any", id: `fit-${key}`, value: fit.given[key] }));
   const onclick = () => again(fit.file, Object.fromEntries(OPTIONS.map(([key]) => [key, byId(`fit-${key}`).valueAsNumber || null])));
   const form = fit.is_friction ? [...OPTIONS.map(field), make("button", { type: "button", id: "fit-again", onclick }, "Fit again")] : [];
-  byId("fit").replaceChildren(make("h3", {}, fit.title), ...fit.tables.map(table), ...fit.notes.map((words) => make("p", { class: "caption" }, words)), ...form);
+  byId("fit").replaceChildren(make("h3", {}, fit.title), ...form, ...fit.tables.map(table), ...fit.notes.map((words) => make("p", { class: "caption" }, words)));
 }
 
 /** Makes a button copy the text of a field. */
