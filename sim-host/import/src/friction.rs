@@ -44,14 +44,32 @@ pub enum Found {
 /// # Errors
 /// Returns [`ImportError`], with the file, the line or the column that shows the reason.
 pub fn import_files(paths: &[PathBuf], options: &Options) -> Result<Found, ImportError> {
-    let files = conditions::open(paths, options)?;
+    from_columns(&paths.iter().map(|path| conditions::open(path, read(path), options)).collect::<Result<Vec<_>, _>>()?, options)
+}
+
+/// Fits the content of a file with this name, as [`import_files`] does.
+///
+/// # Errors
+/// Returns [`ImportError`], with the file, the line or the column that shows the reason.
+pub fn import_content(name: &str, content: Vec<u8>, options: &Options) -> Result<Found, ImportError> {
+    from_columns(&[conditions::open(Path::new(name), Ok(content), options)?], options)
+}
+
+/// Returns `true` for a table with a column of friction.
+pub fn has_friction(content: &[u8]) -> bool {
+    let is_friction = |quantity| matches!(quantity, Some(Quantity::Force(_) | Quantity::Mu(_)));
+    Columns::parse(content, None)
+        .is_ok_and(|columns| (0..columns.names.len()).any(|at| is_friction(Quantity::parse(columns.heading(at).name))))
+}
+
+fn from_columns(files: &[(PathBuf, Columns)], options: &Options) -> Result<Found, ImportError> {
     let is_log = |columns: &Columns| {
         let has = |quantity| columns.place(quantity).is_some();
         (has(Quantity::Force(None)) || has(Quantity::Mu(None)))
             && (has(Quantity::Displacement) || has(Quantity::Time) && has(Quantity::Velocity))
     };
-    let [(path, columns)] = &files[..] else {
-        return Ok(Found::Conditions(Box::new(Conditions::from_files(&files, options, None)?), None));
+    let [(path, columns)] = files else {
+        return Ok(Found::Conditions(Box::new(Conditions::from_files(files, options, None)?), None));
     };
     let states = columns.states().map_err(|error| error.of_file(path))?;
     // A strength of the vibration also tells ON from OFF.
@@ -60,14 +78,14 @@ pub fn import_files(paths: &[PathBuf], options: &Options) -> Result<Found, Impor
         .filter_map(|quantity| columns.place(quantity))
         .any(|at| columns.table.columns[at].values.iter().any(|value| *value != 0.0));
     let has_on = states.map_or(!options.on_s.is_empty() || has_strength, |states| states.contains(&true));
-    let log = || Log::from_columns(columns, options).and_then(|log| fit(&stem(paths), log));
+    let log = || Log::from_columns(columns, options).and_then(|log| fit(&stem(std::slice::from_ref(path)), log));
     if is_log(columns) && !has_on {
         return Ok(Found::Log(Box::new(log().map_err(|error| error.of_file(path))?)));
     }
     // The presliding of the OFF part may show the stiffness.
     let contact = if is_log(columns) { log().ok().map(Box::new) } else { None };
     let known = contact.as_ref().zip(options.frequency_hz).and_then(|(contact, hz)| contact.stiffness_s(hz));
-    Ok(Found::Conditions(Box::new(Conditions::from_files(&files, options, known)?), contact))
+    Ok(Found::Conditions(Box::new(Conditions::from_files(files, options, known)?), contact))
 }
 
 /// Fits contact models to a log.

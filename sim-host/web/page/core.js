@@ -62,14 +62,14 @@ export class Core {
     this.#waiting.clear();
   }
 
-  /** Sends a request to the simulator. Returns its value. */
-  async ask(question, argument) {
+  /** Sends a request to the simulator, with the content of a file if it has one. Returns its value. */
+  async ask(question, argument, content) {
     const worker = await this.#start();
     const id = (this.#count += 1);
     const text = typeof argument === "string" ? argument : JSON.stringify(argument ?? {});
     return new Promise((resolve, reject) => {
       this.#waiting.set(id, { resolve, reject });
-      worker.postMessage({ id, ask: question, argument: text });
+      worker.postMessage({ id, ask: question, argument: text, content });
     });
   }
 }

@@ -63,7 +63,11 @@ class Curve {
     this.isOpen = !this.isOpen;
     this.place.hidden = !this.isOpen;
     this.button.setAttribute("aria-expanded", String(this.isOpen));
-    if (!this.isOpen) return this.all.halt(this);
+    return this.isOpen ? this.start() : this.all.halt(this);
+  }
+
+  /** Computes the curve, if the scene has a result. */
+  start() {
     const main = this.all.page.latest()?.main;
     if (!main) return this.place.replaceChildren(make("p", { class: "mode" }, "The scene has no result to draw yet."));
     if (!this.metric) this.build(main);
@@ -130,6 +134,8 @@ class Curve {
 
   /** Takes the point of the latest run of the page. */
   take() {
+    // A curve that was opened before the first result begins with it.
+    if (this.isOpen && !this.metric) return void this.start();
     const { page } = this.all, { metrics, fault, sent } = page.latest() ?? {};
     if (!this.metric || this.isOutdated || sent !== JSON.stringify(page.ask().request)) return;
     const value = metrics[this.metric.name], why = fault ? `the run ends in fault ${fault}` : "the run has no such number";

@@ -1,5 +1,4 @@
 // Files to open, files of a result, and texts to copy.
-import { SimulatorError } from "./core.js";
 import { byId, download, make, table } from "./dom.js";
 
 const FILES = [
@@ -15,24 +14,28 @@ export function showFiles(ask, result, core) {
     make("button", { type: "button", "data-file": file, onclick: async () => download(`${ask.name.replace(/\.toml$/, "")}-${file}`, await core.ask("file", file), type) }, words)));
 }
 
-/** Reads a file as a scene to open; a measured admittance becomes the scene of its fitted circuit. */
-export async function sceneOf(file, core) {
-  const { name } = file, text = await file.text(), has = (heading) => heading.test(text.slice(0, 2000));
-  if (!/\.(csv|tsv|txt|dat|s[12]p)$/i.test(name) || has(/^\s*(\[|base\s*=)/m)) return { name, text };
-  const fit = await core.ask("fit", { name, text }).catch((error) => {
-    // The heading decides only about a file that is not an admittance.
-    const other = has(/force|friction|slip|\bmu\b/i) ? "import friction" : has(/\btime|^"?t\b/im) ? "spectrum" : null;
-    throw other ? new SimulatorError(`Use the command \`sim-host ${other} ${name}\` for this file.`) : error;
-  });
-  if (fit.scene === null) throw new SimulatorError(`No scene can be made of ${name}${fit.warnings.map((why) => `: ${why}`)[0] ?? ""}.`);
-  return { name: name.replace(/\.\w+$/, ".toml"), text: fit.scene, fit: { ...fit, name } };
+/** Options of a friction fit that no file may contain. */
+const OPTIONS = [
+  ["normal_n", "Normal force, N (--normal-n)"],
+  ["frequency_hz", "Frequency of the vibration, Hz (--frequency-hz)"],
+  ["tip_m_per_s", "Peak velocity of the vibration, m/s (--tip-m-per-s)"],
+];
+
+/** Reads a file as a scene to open; a measurement becomes the scene of its fit. */
+export async function sceneOf(file, core, given = {}) {
+  const { name } = file, { text, fit } = await core.ask("read", { name, ...given }, new Uint8Array(await file.arrayBuffer()));
+  return fit ? { name: name.replace(/\.\w+$/, ".toml"), text, fit: { ...fit, file, given } } : { name, text };
 }
 
-/** Shows the numbers and the warnings of a fit, or nothing. */
-export function showFit(fit) {
-  const notes = (fit?.warnings ?? []).map((words) => make("p", { class: "caption" }, `Note: ${words}.`));
+/** Shows the numbers and the notes of a fit, or nothing. `again` opens its file with other options. */
+export function showFit(fit, again) {
   byId("fit").hidden = !fit;
-  if (fit) byId("fit").replaceChildren(make("h3", {}, `Circuit fitted to ${fit.name}`), ...fit.tables.map(table), ...notes);
+  if (!fit) return;
+  const field = ([key, words]) => make("div", { class: "row" }, make("label", { for: `fit-${key}` }, words),
+    make("input", { type: "number", step: "any", id: `fit-${key}`, value: fit.given[key] }));
+  const onclick = () => again(fit.file, Object.fromEntries(OPTIONS.map(([key]) => [key, byId(`fit-${key}`).valueAsNumber || null])));
+  const form = fit.is_friction ? [...OPTIONS.map(field), make("button", { type: "button", id: "fit-again", onclick }, "Fit again")] : [];
+  byId("fit").replaceChildren(make("h3", {}, fit.title), ...form, ...fit.tables.map(table), ...fit.notes.map((words) => make("p", { class: "caption" }, words)));
 }
 
 /** Makes a button copy the text of a field. */

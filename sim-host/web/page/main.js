@@ -101,7 +101,7 @@ async function openScene(given) {
   byId("switch").hidden = !opened.burst;
   byId("acts").hidden = opened.faults.length === 0 && !opened.burst;
   latest = null;
-  showFit(given.fit ?? null);
+  showFit(given.fit, openFile);
   curves.clear();
   controls();
   lastWall = 0;
@@ -266,16 +266,25 @@ byId("apply").addEventListener("click", () => {
   const same = scenes.find((entry) => entry.text === text);
   return same ? openScene({ name: same.name, sets: same.sets }) : openScene({ name: "my-scene.toml", text });
 });
-/** Opens the first of some files. */
-function openFile([file]) {
-  if (file) sceneOf(file, core).then(openScene, (error) => showError(error));
+/** Opens a file. A fit without a scene is shown above the last result. */
+async function openFile(file, options) {
+  if (!file) return;
+  try {
+    const scene = await sceneOf(file, core, options);
+    if (scene.text !== null) return void openScene(scene);
+    hideError();
+    showFit(scene.fit, openFile);
+    throw new SimulatorError(scene.fit.why);
+  } catch (error) {
+    showError(error);
+  }
 }
-byId("open").addEventListener("change", () => openFile(byId("open").files));
+byId("open").addEventListener("change", () => openFile(byId("open").files[0]));
 for (const kind of ["dragover", "drop"]) {
   document.addEventListener(kind, (event) => {
     if (byId("simulator").hidden || !event.dataTransfer?.types.includes("Files")) return;
     event.preventDefault();
-    if (kind === "drop") openFile(event.dataTransfer.files);
+    if (kind === "drop") openFile(event.dataTransfer.files[0]);
   });
 }
 byId("switch").addEventListener("click", () => {

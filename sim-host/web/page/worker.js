@@ -11,10 +11,10 @@ self.onmessage = async ({ data }) => {
     return;
   }
   if (linkMessage(data)) return;
-  const { id, ask, argument } = data;
+  const { id, ask, argument, content } = data;
   try {
     await ready;
-    self.postMessage({ id, answer: wasm_bindgen[ask](argument) });
+    self.postMessage({ id, answer: wasm_bindgen[ask](argument, content) });
   } catch (error) {
     self.postMessage({ id, lost: String(error) });
   }

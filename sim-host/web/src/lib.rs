@@ -39,5 +39,6 @@ mod worker;
 
 pub use catalogue::{Entry, FIRST_SCENE, scenes};
 pub use curve::Target;
+pub use measurement::OpenedFile;
 pub use request::Request;
 pub use session::Session;

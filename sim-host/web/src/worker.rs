@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 use wasm_bindgen::prelude::*;
 
 use crate::board::{PagePort, simulated, talk, tell};
-use crate::{FIRST_SCENE, Request, Session, Target, scenes};
+use crate::{FIRST_SCENE, OpenedFile, Request, Session, Target, scenes};
 
 #[wasm_bindgen]
 extern "C" {
@@ -81,10 +81,10 @@ pub fn target(request: &str) -> String {
     wrapped(parsed(request).map(|target: Target| target.next()))
 }
 
-/// Fits a circuit to a measured admittance.
+/// Reads a file as a scene; a measurement is fitted.
 #[wasm_bindgen]
-pub fn fit(request: &str) -> String {
-    wrapped(parsed(request).and_then(|request: Request| request.fit()))
+pub fn read(request: &str, content: Vec<u8>) -> String {
+    wrapped(parsed(request).and_then(|file: OpenedFile| file.read(content)))
 }
 
 /// Talks to a board until the page leaves or the board is lost. It has no argument and no result,

@@ -17,7 +17,7 @@ mod table;
 mod view;
 
 use std::f64::consts::TAU;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use super::log::Options;
 use super::quantity::{Columns, file_name};
@@ -232,11 +232,12 @@ impl Conditions {
     }
 }
 
-/// Reads the columns of files.
-pub(super) fn open(paths: &[PathBuf], options: &Options) -> Result<Vec<(PathBuf, Columns)>, ImportError> {
-    let read = |path: &PathBuf| {
-        let columns = super::read(path).and_then(|bytes| Columns::parse(&bytes, options.columns.as_deref()));
-        Ok((path.clone(), columns.map_err(|error| error.of_file(path))?))
-    };
-    paths.iter().map(read).collect()
+/// Parses the content of a file to its columns.
+pub(super) fn open(
+    path: &Path,
+    content: Result<Vec<u8>, ImportError>,
+    options: &Options,
+) -> Result<(PathBuf, Columns), ImportError> {
+    let columns = content.and_then(|bytes| Columns::parse(&bytes, options.columns.as_deref()));
+    Ok((path.to_owned(), columns.map_err(|error| error.of_file(path))?))
 }

@@ -18,10 +18,15 @@ impl Friction {
             paragraphs: (self.warnings.iter().map(|warning| format!("Note: {warning}.")))
                 .chain(self.log.remarks.iter().map(|remark| format!("{remark}.")))
                 .collect(),
-            tables: vec![self.contact_table(), self.models_table(), self.correlation_table()],
+            tables: self.tables(),
             figures: self.figures(),
             ..Report::default()
         }
+    }
+
+    /// Returns the tables: contact, models, correlations.
+    pub fn tables(&self) -> Vec<TableBlock> {
+        vec![self.contact_table(), self.models_table(), self.correlation_table()]
     }
 
     fn contact_table(&self) -> TableBlock {

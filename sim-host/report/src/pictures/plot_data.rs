@@ -96,6 +96,7 @@ pub(super) fn map_data(figure: &Figure, map: &HeatMap) -> Value {
     let column = |column: &Vec<f64>| column.iter().map(|&value| readable(value, most)).collect::<Vec<_>>();
     json!({
         "names": parts.map(|(name, _)| name), "units": parts.map(|(_, unit)| unit),
+        "log": [figure.x.log, figure.y.log],
         "x": centres(map.x, figure.x.log, map.size().0), "y": centres(map.y, figure.y.log, map.size().1),
         "columns": map.columns.iter().map(column).collect::<Vec<_>>(),
     })

@@ -63,7 +63,7 @@ const LZMA_PRESET: u32 = 9;
 /// Packs the module to two thirds of the size by gzip; `page/lzma.js` unpacks it.
 fn lzma(bytes: &[u8]) -> Result<Vec<u8>> {
     // Instructions have no fixed length, so that bits of the position predict nothing.
-    let options = LzmaOptions { lc: 4, pb: 0, ..LzmaOptions::with_preset(LZMA_PRESET) };
+    let options = LzmaOptions { lc: 4, pb: 0, nice_len: LzmaOptions::NICE_LEN_MAX, ..LzmaOptions::with_preset(LZMA_PRESET) };
     let mut encoder = LzmaWriter::new_use_header(Vec::new(), &options, Some(bytes.len() as u64))?;
     encoder.write_all(bytes)?;
     Ok(encoder.finish()?)
@@ -76,11 +76,12 @@ pub fn page(parts: &Parts) -> Result<String> {
         fs::read_to_string(&path).with_context(|| format!("cannot read {}", path.display()))
     };
     let styles = STYLES.iter().map(|name| read(name)).collect::<Result<Vec<_>>>()?.concat();
-    let modules = MODULES.iter().map(|name| Ok(module(&read(name)?))).collect::<Result<Vec<_>>>()?.concat();
+    let script_of = |name: &str| Ok::<_, anyhow::Error>(module(&read(name)?));
+    let modules = MODULES.iter().map(|name| script_of(name)).collect::<Result<Vec<_>>>()?.concat();
     let library =
         format!("/*\n{}*/\n{}", read("../../report/assets/uPlot.LICENSE")?, read("../../report/assets/uPlot.iife.min.js")?);
-    let plots = [library, read("../../report/assets/report.js")?, read("../../report/assets/crash.js")?].join("\n");
-    let worker = [parts.core.glue.clone(), read("worker.js")?, read("board/link-worker.js")?].join("\n");
+    let plots = [library, script_of("../../report/assets/report.js")?, script_of("../../report/assets/crash.js")?].join("\n");
+    let worker = [parts.core.glue.clone(), script_of("worker.js")?, script_of("board/link-worker.js")?].join("\n");
     let firmware = &parts.core.firmware;
     let firmware = if firmware.is_empty() { String::new() } else { STANDARD.encode(lzma(firmware)?) };
     let mut page = read("index.html")?;
@@ -102,9 +103,11 @@ pub fn page(parts: &Parts) -> Result<String> {
 }
 
 /// Converts a module to a part of the single script of the page, in which exported names are
-/// global.
+/// global. Lines of comments and indentation, 8 kB gzipped, are left out; so no literal may have
+/// several lines.
 fn module(text: &str) -> String {
-    let kept = text.lines().filter(|line| !line.starts_with("import "));
+    let is_kept = |line: &&str| !["import ", "//", "/**"].iter().any(|start| line.starts_with(start));
+    let kept = text.lines().map(str::trim_start).filter(is_kept);
     kept.map(|line| line.strip_prefix("export ").unwrap_or(line)).flat_map(|line| [line, "\n"]).collect()
 }
 
@@ -130,7 +133,7 @@ mod tests {
 
     #[test]
     fn modules_become_one_script() {
-        assert_eq!(module("import { a } from \"./a.js\";\nexport const b = a;\n"), "const b = a;\n");
+        assert_eq!(module("import { a } from \"./a.js\";\n/** B. */\nexport const b =\n  // A.\n  a;\n"), "const b =\na;\n");
         assert_eq!(script("x = \"</script><!--\""), "x = \"<\\/script><\\!--\"");
     }
 }
