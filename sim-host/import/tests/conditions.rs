@@ -217,7 +217,8 @@ fn intervals_contain_a_narrow_valley_next_to_the_rigid_limit() {
         }
         widths += (ratio.high - ratio.low) / (SEEDS as f64 * truth);
     }
-    // Of 20 fits, 95 % within two standard deviations of the count. Wide intervals would contain all.
+    // Of 20 fits, 95 % within two standard deviations of the count.
+    // Wide intervals would contain all.
     assert!(inside.iter().all(|count| *count >= SEEDS - 3) && widths < 0.03, "{inside:?} of {SEEDS}, relative width {widths}");
 }
 

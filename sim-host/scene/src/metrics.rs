@@ -172,7 +172,7 @@ impl Window {
             Window::LoadCell => "as OFF and ON, but starting 50 ms after an edge, because the cell is slow",
             Window::WholePeriods => {
                 "whole periods of `controller.burst.period_s`, ON and OFF, starting 50 ms after the first burst or the last step \
-                 disturbance; for the friction switch, after its last set point; without bursts, the steady blocks"
+                 disturbance; for the friction switch, after its last set point; without bursts (also for a chirp), the steady blocks"
             }
             Window::EndOfOn => "the last 2 ms of the first ON window",
             Window::SetPoint => {

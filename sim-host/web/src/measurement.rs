@@ -51,7 +51,12 @@ impl OpenedFile {
             Ok(found) => {
                 let why = "`--force`, because the circuit does not describe the measurements";
                 let scene = found.scene(name).filter(|_| !found.is_doubtful()).ok_or(why.to_owned());
-                Ok(fitted(format!("Circuit fitted to {name}"), scene, &found.tables(), [&found.warnings, &[]], false))
+                let mut fit = fitted(format!("Circuit fitted to {name}"), scene, &found.tables(), [&found.warnings, &[]], false);
+                // A circuit outside the range of a scene has a warning of its own.
+                if let Some(warning) = found.warnings.iter().find(|warning| warning.starts_with("no scene is written")) {
+                    fit["fit"]["why"] = json!(format!("note: {warning}"));
+                }
+                Ok(fit)
             }
             // The columns decide only about a file that is not an admittance.
             Err(_) if has_friction(&content) => Ok(self.friction(content)),

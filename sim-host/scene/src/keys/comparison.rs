@@ -1,4 +1,4 @@
-//! `[comparison]`: cases of the scene with some keys changed, at equal peak, rms, power or reduction.
+//! `[comparison]`: cases of the scene with changed keys, at equal peak, rms, power or reduction.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

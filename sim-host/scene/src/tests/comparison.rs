@@ -128,6 +128,6 @@ set = [\"excitation.waveform=square\"]
     assert!(load_text("a.toml", &text, &[]).is_ok(), "{}", report(&text, &[]));
     says(
         &report(&text.replace("[\"peak\"]", "[\"power\"]"), &[]),
-        &["a contact study has no electrical power", "must be \"peak\""],
+        &["a contact study cannot be compared at equal power", "must be \"peak\""],
     );
 }

@@ -7,6 +7,7 @@ mod metrics;
 
 use firmware::seam::mode::Mode;
 
+use super::average::whole_periods;
 use super::{Instrument, Line, View};
 use crate::metrics::Metrics;
 use report::Figure;
@@ -32,9 +33,13 @@ impl Instrument for Lock {
             return Vec::new();
         }
         let running = run.plays_from(Mode::Run).map_or("was not reached".to_owned(), |s| format!("began at {s:.3} s"));
-        let bursts = run.scene.controller.burst.as_ref().is_some_and(|burst| burst.period_s.is_some());
-        let cause = if bursts { " No burst is long enough for one; means over whole bursts are measured." } else { "" };
-        vec![format!("There is no steady block with the drive ON, so most metrics are missing: mode Run {running}.{cause}")]
+        let period_s = run.scene.controller.burst.as_ref().and_then(|burst| burst.period_s);
+        let bursts = match (period_s, whole_periods(run)) {
+            (Some(_), Some(_)) => " No burst is long enough for one; `mean_…` are measured over whole periods.".to_owned(),
+            (Some(period_s), None) => format!(" There is no whole burst period of {period_s} s either."),
+            (None, _) => String::new(),
+        };
+        vec![format!("There is no steady block with the drive ON, so most metrics are missing: mode Run {running}.{bursts}")]
     }
 
     fn figures(&self, run: &View) -> Vec<Figure> {

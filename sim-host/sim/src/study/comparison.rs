@@ -112,7 +112,7 @@ pub(super) fn run(loaded: &Loaded, comparison: &Comparison, stop: &AtomicBool) -
     }
     let matches = comparison.matched.iter().zip(cases.chunks(peaks.len())).map(|(&equal, cases)| Matched {
         equal,
-        target: equal.metric().and_then(|metric| first.metrics.get(metric)),
+        target: goal(first, equal),
         cases: cases.to_vec(),
     });
     let (matches, sweeps) = (matches.collect(), sweeps.into_iter().flatten().flatten().collect());
@@ -144,7 +144,7 @@ impl CaseRunner<'_> {
             metrics: metrics.clone(),
             standing: Standing::Unmeasured { fault: fault(metrics) },
         };
-        let Some(goal) = first.metrics.get(metric) else { return Ok(unmeasured(peak.amplitude, &peak.metrics)) };
+        let Some(goal) = goal(first, equal) else { return Ok(unmeasured(peak.amplitude, &peak.metrics)) };
         let made = self.plan.make(self.cell(case, None))?;
         let target =
             Target { metric: goal, exponent: equal.exponent(), allowed: allowed(&made.scene, &self.comparison.amplitude_key) };
@@ -167,6 +167,13 @@ impl CaseRunner<'_> {
             runs.into_iter().find(|(amplitude, _)| *amplitude == point.amplitude).ok_or(StudyError::Incomplete)?;
         Ok(CaseResult { name: case.name.clone(), amplitude, metrics, standing })
     }
+}
+
+/// Returns the metric of the first case that the others are matched to, unless it is a reduction
+/// within rounding errors.
+fn goal(first: &CaseResult, equal: Equal) -> Option<f64> {
+    const LEAST_PERCENT: f64 = 1e-6;
+    first.metrics.get(equal.metric()?).filter(|&value| equal != Equal::Reduction || value > LEAST_PERCENT)
 }
 
 /// Returns the fault that ended a run.

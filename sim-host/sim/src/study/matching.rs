@@ -9,6 +9,8 @@ use super::solve::Search;
 
 /// Relative deviation from the target that counts as equal.
 pub const CLOSE: f64 = 1e-3;
+/// Largest ratio of an amplitude to the last one: a saturated metric has no slope to follow.
+const MAX_STEP: f64 = 4.0;
 /// Maximum number of runs. Codes are integers: at a small amplitude, no run may come close enough.
 const MOST_RUNS: usize = 20;
 
@@ -41,7 +43,7 @@ pub enum Match {
     Beyond {
         /// Amplitude required for a match, by the slope of the last runs.
         needs: f64,
-        /// Run at the largest allowed amplitude.
+        /// Run at the largest allowed amplitude, or the best if that one has no effect.
         reached: Point,
     },
     /// A run lacks the metric, or it is nowhere above zero.
@@ -73,15 +75,17 @@ pub fn find<E>(
         let secant = last.amplitude * (target.metric / last.metric).powf(1.0 / slope);
         let needed = match (&between, below.zip(above)) {
             (Some(search), _) => search.next().unwrap_or(last.amplitude),
-            (None, Some((low, high))) if one_sided || last.metric <= 0.0 || secant <= low.amplitude || secant >= high.amplitude => {
+            (None, Some((low, high)))
+                if one_sided || last.metric <= 0.0 || secant <= low.amplitude || secant >= high.amplitude =>
+            {
                 let search = Search::new((low.amplitude, off(&low)), (high.amplitude, off(&high)));
                 between.insert(search).next().unwrap_or(last.amplitude)
             }
-            (None, _) if last.metric > 0.0 => secant,
+            (None, _) if last.metric > 0.0 => secant.min(MAX_STEP * last.amplitude),
             (None, _) => 2.0 * last.amplitude,
         };
         if needed > target.allowed.1 && last.amplitude == target.allowed.1 {
-            return Ok(if last.metric > 0.0 { Match::Beyond { needs: needed, reached: last } } else { Match::Unmeasured });
+            return Ok(if best.metric > 0.0 { Match::Beyond { needs: secant, reached: best } } else { Match::Unmeasured });
         }
         let next = needed.clamp(target.allowed.0, target.allowed.1);
         if next == last.amplitude {

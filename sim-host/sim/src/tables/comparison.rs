@@ -47,6 +47,7 @@ fn equality(matched: &Matched) -> String {
     let (Some(metric), Some(target)) = (matched.equal.metric(), matched.target) else {
         return match matched.equal {
             Equal::Peak => "Equal commanded peak".to_owned(),
+            Equal::Reduction => "The first case has no reduction, so no case is matched to it".to_owned(),
             _ => "The first case cannot be measured, so no case is matched to it".to_owned(),
         };
     };

@@ -196,7 +196,7 @@ impl Edges {
     }
 
     /// Computes the largest drive of an edge: from the voltage limit, and from the current limit
-    /// less the motional current, but at least the drive itself as far as that limit allows it.
+    /// less the motional current; at least the drive itself, reduced to the current limit.
     // Not inlined: it runs in one block of 64, and the fast memory of a board has no room for it.
     #[inline(never)]
     fn plan_ceiling(&mut self, chain: &mut Chain, rate: f32) {

@@ -231,7 +231,7 @@ impl Problem<'_> {
     }
 
     /// Adds the minimum of each valley between stiffnesses of a grid, and then stiffnesses until
-    /// neighbours differ little wherever the data admit them.
+    /// neighbours that the data admit differ little.
     fn refine(&self, slices: &mut Vec<Slice>, max_rise: f64, variances: &[f64]) {
         let add = |slices: &mut Vec<Slice>, added: Vec<Slice>| {
             slices.extend(added);
@@ -357,7 +357,7 @@ impl Problem<'_> {
             if free < MIN_FREEDOM {
                 return (0.0, free);
             }
-            // Noise alone explains the residuals. The smaller they are, the less scatter they can hide.
+            // Noise alone explains the residuals. Smaller residuals can hide less scatter.
             if sum(low) <= free {
                 return (0.0, (free * (free / sum(low)).powi(2)).min(MAX_FREEDOM));
             }

@@ -46,7 +46,7 @@ impl Rules<'_> {
         self.check_unique(&names, "is already in the list");
         for (path, name) in names {
             if self.kind == Some(Kind::Excited) && name != "peak" {
-                let message = format!("a contact study has no electrical {name}");
+                let message = format!("a contact study cannot be compared at equal {name}");
                 let problem = Problem::new(self.place(&path), message, "must be \"peak\"");
                 self.add(&path, problem.help("`excitation.match` makes the rms of the excitation equal"));
             }

@@ -9,7 +9,7 @@ use crate::metrics::Metrics;
 use crate::record::Row;
 use plant::circuit_of;
 use report::statistics::mean;
-use scene::{Driven, Friction};
+use scene::{Disturbance, DisturbedKey, Driven, Friction};
 
 /// Time after a new set point until it counts as held, s; amplitude and smoothed force have then
 /// settled.
@@ -48,14 +48,18 @@ impl Step {
 }
 
 impl<'a> View<'a> {
-    /// Returns the friction without vibration, N: of settled OFF blocks, or of the last block before
-    /// the first drive if the contact already slid steadily. A carriage may be at rest; then it is
-    /// the sliding friction.
+    /// Returns the friction without vibration, N: of settled OFF blocks, or of the last block
+    /// before the first drive if the contact already slid steadily and nothing changes it. A
+    /// carriage may be at rest; then it is the sliding friction.
     pub fn silent_friction_n(&self) -> Option<f64> {
         if let Some((contact, carriage)) = self.scene.carriage() {
             return Some(contact.mu * carriage.normal_n);
         }
         mean(self.settled(0.0, self.settle_s).map(|row| row.truth.friction_mean_n)).or_else(|| {
+            let is_changed = |it: &Disturbance| matches!(it.key, DisturbedKey::Load | DisturbedKey::Speed);
+            if self.scene.disturbance.iter().any(is_changed) {
+                return None;
+            }
             let before = &self.rows[..self.rows.iter().position(|row| row.envelope != 0.0)?];
             let [.., earlier, last] = before else { return None };
             let (earlier, last) = (earlier.truth.friction_mean_n, last.truth.friction_mean_n);
