@@ -63,7 +63,7 @@ pub fn find<E>(
     let mut last = Point { amplitude, metric: first };
     let mut best = last;
     let mut slope = target.exponent;
-    // Largest amplitude below the target, smallest above it.
+    // Last run below the target, and last run above it.
     let (mut below, mut above): (Option<Point>, Option<Point>) = (None, None);
     let mut between: Option<Search> = None;
     for _ in 1..MOST_RUNS {
