@@ -169,7 +169,7 @@ test("bursts are edited by mouse and keyboard, and the board gets the times of t
   assert.equal(await page.value("document.getElementById('b-span').value"), "0.5");
   // The bar in the middle follows the mouse, and so does the end of the last one.
   const drag = async (name, pixels) => {
-    const [x, y] = await page.value(`(() => { const one = document.querySelector('[aria-label="${name}"]'); one.scrollIntoView({ block: "center" }); const b = one.getBoundingClientRect(); return [b.x + b.width / 2, b.y + b.height / 2]; })()`);
+    const [x, y] = await page.value(`(() => { const one = document.querySelector('[aria-label="${name}"]'); one.scrollIntoView({ block: "center", behavior: "instant" }); const b = one.getBoundingClientRect(); return [b.x + b.width / 2, b.y + b.height / 2]; })()`);
     for (const [type, at] of [["mousePressed", x], ["mouseMoved", x + pixels / 2], ["mouseMoved", x + pixels], ["mouseReleased", x + pixels]]) await page.send("Input.dispatchMouseEvent", { type, x: at, y, button: "left", buttons: 1, clickCount: 1 });
   };
   await drag("Burst 2, position", 9);
@@ -251,7 +251,7 @@ test("a second tab of a served page watches the board, and can stop it", async (
 test("a wrong value is a message next to STOP, wherever the page is scrolled to", () => opened({ width: 390, height: 844 }, async (page) => {
   await click(page, "b-simulate");
   await armed(page);
-  const enter = (id, words) => page.value(`(() => { const field = document.getElementById('${id}') ?? document.querySelector('[data-form^="${id}"] input'); field.value = '${words}'; field.form.scrollIntoView(); field.form.requestSubmit(); })()`);
+  const enter = (id, words) => page.value(`(() => { const field = document.getElementById('${id}') ?? document.querySelector('[data-form^="${id}"] input'); field.value = '${words}'; field.form.scrollIntoView({ behavior: "instant" }); field.form.requestSubmit(); })()`);
   for (const [id, words, message] of [
     ["b-low", "forty", "`forty` is not a frequency in kHz, such as 40 or 40.5"],
     ["b-low", "50", "The band begins with the lower frequency: 50 kHz is not below 45 kHz"],
