@@ -136,3 +136,36 @@ fn the_load_cell_keeps_the_mean_and_hides_the_edge() {
     // The rise to 95 % takes three time constants; with the load cell it takes six milliseconds.
     assert!(metrics.get("rise_time_ms").unwrap() < 1.6);
 }
+
+/// Bursts too short for a settled silence: their reduction refers to the friction before the first.
+fn bursts(changes: &[&str]) -> Metrics {
+    let short = ["duration_s=0.4", "controller.burst.period_s=1e-3", "controller.burst.duty=0.5"];
+    let sets: Vec<String> = short.iter().chain(changes).map(|&set| set.to_owned()).collect();
+    let scene = load("least-power", &sets).unwrap_or_else(|error| panic!("{error}")).scene;
+    let scene = scene.driven().unwrap();
+    measure(&scene, &run(&scene, Watch::default()).unwrap())
+}
+
+#[test]
+fn a_reduction_has_the_friction_of_its_own_load_as_reference() {
+    let reference = bursts(&[]).get("mean_reduction_percent").expect("a reduction");
+    let backwards = bursts(&["rig.slider.speed_m_per_s=-0.038"]).get("mean_reduction_percent").expect("a reduction");
+    assert!((backwards - reference).abs() < 0.5, "{backwards} % backwards, {reference} % forwards");
+    for key in ["rig.slider.load_n", "rig.slider.speed_m_per_s"] {
+        let changed = bursts(&[&format!("disturbance=[{{ at_s = 0.3, key = \"{key}\", to = 0.05 }}]")]);
+        assert_eq!(changed.get("mean_reduction_percent"), None, "{key}: nothing shows the friction without vibration");
+        assert!(changed.get("mean_friction_n").is_some_and(|friction| friction > 0.0), "{key}");
+    }
+}
+
+/// Rows after a fault have no drive: their friction is whole, and their power zero.
+#[test]
+fn averages_end_at_a_fault() {
+    let whole = bursts(&[]);
+    let ended = bursts(&["fault=[{ at_s = 0.3, kind = \"short\" }]"]);
+    assert!(ended.get("fault_code").is_some_and(|code| code > 0.0), "no fault");
+    for name in ["mean_power_w", "mean_friction_n"] {
+        let [whole, ended] = [&whole, &ended].map(|metrics| metrics.get(name).expect(name));
+        assert!((ended / whole - 1.0).abs() < 0.02, "{name}: {ended} up to the fault, {whole} without one");
+    }
+}
