@@ -42,7 +42,7 @@ pub fn scenes() -> Vec<Entry> {
 
 /// Headings, with the prefixes of the names of their scenes.
 const GROUPS: [(&str, &[&str]); 10] = [
-    ("Friction, switched", &["experiment", "friction"]),
+    ("Friction, switched", &["experiment", "friction", "least-power"]),
     ("Find and hold a resonance", &["lock", "burst", "waveforms", "dummy", "self-heating", "derating"]),
     ("A belt stops", &["belt-stop"]),
     ("A crash", &["dring"]),
