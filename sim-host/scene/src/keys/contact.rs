@@ -2,6 +2,7 @@
 
 mod compliant;
 mod expression;
+mod pair;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -10,11 +11,15 @@ use contact::empirical::EmpiricalLaw;
 
 pub use compliant::{Compliant, Held};
 pub use expression::{Expression, Relay};
+pub use pair::Pair;
 
 /// The friction contact. Give exactly one model.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Contact {
+    /// Pair of materials that gives the coefficient of friction of the model, instead of `mu`.
+    #[serde(default, skip_serializing)]
+    pub pair: Option<Pair>,
     /// Coulomb's model of friction.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub coulomb: Option<Coulomb>,

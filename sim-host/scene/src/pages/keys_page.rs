@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 
 use super::settings_page;
 use crate::all_keys::{Key, Repeats, keys};
+use crate::schema::Schema;
 
 const HEAD: &str = "\
 # Keys of a scene and settings of the controller
@@ -34,6 +35,9 @@ pub fn page() -> String {
                 Repeats::Several => format!("[[{}]]", key.path),
             };
             let _ = write!(page, "\n## `{name}`\n\n{}\n", key.meaning);
+            if key.path == "contact" {
+                page += &pairs();
+            }
             head = true;
             continue;
         }
@@ -47,6 +51,17 @@ pub fn page() -> String {
         let _ = writeln!(page, "| `{name}` | {meaning} | {unit} | {} | {} |", key.range, key.default);
     }
     page + &settings_page::sections()
+}
+
+/// Returns the table of the pairs of materials.
+fn pairs() -> String {
+    let mut table = "\n`pair` is one of these. None of the sources states a tangential stiffness.\n".to_owned();
+    table += "\n| `pair` | kinetic friction, dry |\n|---|---|\n";
+    let pairs = Schema::root().at("contact.pair").map_or_else(Vec::new, Schema::described_choices);
+    for (name, meaning) in pairs {
+        let _ = writeln!(table, "| `{name}` | {meaning} |");
+    }
+    table
 }
 
 #[cfg(test)]

@@ -5,6 +5,7 @@ mod assumed;
 mod designed;
 mod inherited;
 mod manifest;
+mod pair;
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -251,6 +252,7 @@ fn read(name: &str, text: &str, sets: &[String]) -> (Vec<Source>, Result<ReadSce
         let texts = sources.len();
         let mut files = files(&root, &sources);
         files.extend(designed::replace(&mut root, &sources).map_err(|problem| vec![problem])?);
+        pair::complete(&mut root).map_err(|problem| vec![problem])?;
         let (more, default_runs) = distribution::replace(&mut root, &sources)?;
         files.extend(more);
         let found = resolve(&mut root, &mut sources);

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::builtin;
 use crate::diagnostic::Source;
-use crate::tree::{Node, Value};
+use crate::tree::{Entry, Node, Value};
 
 /// Table of a stack, and the only key of it that no electrical measurement determines.
 const STACK: (&str, &str) = ("stack.bvd", "force_factor_n_per_v");
@@ -21,15 +21,23 @@ pub struct Assumed {
     pub key: String,
     /// Value of the key, in the unit of its name.
     pub value: f64,
-    /// Built-in scene that the value is from; `None` for a default of the program.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    /// Built-in scene that the value is from.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub base: Option<String>,
+    /// Pair of materials that the value is of. Without scene and pair, it is a default of the
+    /// program.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub pair: Option<String>,
 }
 
 impl Assumed {
     /// Describes the value and its origin.
     pub fn text(&self) -> String {
-        let origin = self.base.as_ref().map_or_else(|| "the default".to_owned(), |base| format!("from the scene {base}"));
+        let origin = match (&self.base, &self.pair) {
+            (_, Some(pair)) => format!("of the pair {pair}"),
+            (Some(base), None) => format!("from the scene {base}"),
+            (None, None) => "the default".to_owned(),
+        };
         format!("{} = {} ({origin})", self.key, self.value)
     }
 
@@ -57,7 +65,7 @@ pub(super) fn find(root: &Node, sources: &[Source]) -> Vec<Assumed> {
         let entries = table.filter(|_| own).into_iter().flatten();
         let assumed = entries.filter(|(key, _)| only.is_none_or(|only| *key == only)).filter_map(|(key, entry)| {
             let base = Some(base(&entry.node)?.clone());
-            Some(Assumed { key: format!("{path}.{key}"), value: entry.node.number()?, base })
+            Some(Assumed { key: format!("{path}.{key}"), value: entry.node.number()?, base, pair: None })
         });
         assumed.collect::<Vec<_>>()
     };
@@ -68,12 +76,25 @@ pub(super) fn find(root: &Node, sources: &[Source]) -> Vec<Assumed> {
             key: format!("{stack}.{key}"),
             value: crate::keys::plant::DEFAULT_FORCE_FACTOR_N_PER_V,
             base: None,
+            pair: None,
         });
     }
     let contacts = root.at("contact").and_then(Node::table).into_iter().flatten();
     let laws = contacts.filter(|(_, entry)| matches!(entry.node.value, Value::Table(_)));
     found.extend(laws.flat_map(|(law, _)| inherited(&format!("contact.{law}"), None)));
+    found.extend(of_pair(root));
     found
+}
+
+/// Returns the coefficient of friction if it follows from a pair of materials.
+fn of_pair(root: &Node) -> Option<Assumed> {
+    let pair = root.at("contact.pair")?;
+    let follows = |entry: &&Entry| entry.node.place == pair.place;
+    let (model, mu) = root.at("contact")?.table()?.iter().find_map(|(model, entry)| {
+        let mu = entry.node.table()?.get("mu").filter(follows)?;
+        Some((model, mu.node.number()?))
+    })?;
+    Some(Assumed { key: format!("contact.{model}.mu"), value: mu, base: None, pair: Some(pair.text()?.to_owned()) })
 }
 
 #[cfg(test)]
