@@ -55,11 +55,15 @@ pub fn import_content(name: &str, content: Vec<u8>, options: &Options) -> Result
     from_columns(&[conditions::open(Path::new(name), Ok(content), options)?], options)
 }
 
-/// Returns `true` for a table with a column of friction.
+/// Returns `true` for a table of friction that a fit can use: over the time, it also needs a
+/// displacement, a speed, or the vibration.
 pub fn has_friction(content: &[u8]) -> bool {
+    let Ok(columns) = Columns::parse(content, None) else { return false };
+    let has = |quantity| columns.place(quantity).is_some();
     let is_friction = |quantity| matches!(quantity, Some(Quantity::Force(_) | Quantity::Mu(_)));
-    Columns::parse(content, None)
-        .is_ok_and(|columns| (0..columns.names.len()).any(|at| is_friction(Quantity::parse(columns.heading(at).name))))
+    let friction = (0..columns.names.len()).any(|at| is_friction(Quantity::parse(columns.heading(at).name)));
+    let conditions = [Quantity::Displacement, Quantity::Velocity, Quantity::State, Quantity::Level, Quantity::Tip];
+    friction && (!has(Quantity::Time) || conditions.into_iter().any(has))
 }
 
 fn from_columns(files: &[(PathBuf, Columns)], options: &Options) -> Result<Found, ImportError> {

@@ -33,6 +33,7 @@ mod opened;
 mod outcome;
 mod request;
 mod scope;
+mod series;
 mod session;
 #[cfg(target_arch = "wasm32")]
 mod worker;

@@ -9,6 +9,7 @@ use serde_json::{Value, json};
 
 use crate::outcome::table;
 use crate::request::stem;
+use crate::series::{Match, Shown};
 
 /// Lines in which the heading of a file is searched for.
 const HEAD_LINES: usize = 50;
@@ -28,12 +29,13 @@ pub struct OpenedFile {
 }
 
 impl OpenedFile {
-    /// Returns the text of a scene, or the fit of a measurement with the text of its scene. If
-    /// there is none, `why` has the reason.
+    /// Returns the text of a scene, or the fit of a measurement with the text of its scene. If the
+    /// fit has no scene, its `why` has the reason. A time series is drawn over the last run,
+    /// `shown`.
     ///
     /// # Errors
     /// If the content is neither a scene nor a measurement, in the words of the command line.
-    pub fn read(&self, content: Vec<u8>) -> Result<Value, String> {
+    pub(crate) fn read(&self, content: Vec<u8>, shown: Option<&Shown>) -> Result<Value, String> {
         let (name, text) = (&self.name, columns::decode(&content));
         let heads: Vec<String> =
             text.lines().take(HEAD_LINES).map(|line| line.trim_start_matches([' ', '"']).to_lowercase()).collect();
@@ -59,9 +61,20 @@ impl OpenedFile {
                 Ok(fit)
             }
             // The columns decide only about a file that is not an admittance.
-            Err(_) if has_friction(&content) => Ok(self.friction(content)),
-            Err(_) if begins("t") || begins("time") => Err(format!("Use the command `sim-host spectrum {name}` for this file.")),
-            Err(error) => Err(format!("error: {error}\n`sim-host import admittance {name}` has options for columns and units.")),
+            Err(error) => {
+                let series = |by| shown?.with_series(name, &columns::parse(&content, None).ok()?, by);
+                if let Some(drawn) = series(Match::Name) {
+                    Ok(drawn)
+                } else if has_friction(&content) {
+                    Ok(self.friction(content))
+                } else if let Some(drawn) = series(Match::Unit) {
+                    Ok(drawn)
+                } else if begins("t") || begins("time") {
+                    Err(not_drawn(name, shown))
+                } else {
+                    Err(format!("error: {error}\n`sim-host import admittance {name}` has options for columns and units."))
+                }
+            }
         }
     }
 
@@ -86,6 +99,17 @@ impl OpenedFile {
             }
         }
     }
+}
+
+/// Returns the reason why a time series is not drawn.
+fn not_drawn(name: &str, shown: Option<&Shown>) -> String {
+    let why = match shown.map(Shown::curves) {
+        Some(curves) => {
+            format!("no column has the name or the unit of a curve of this run over time: {}", curves.join(", "))
+        }
+        None => "there is no run to compare it with".to_owned(),
+    };
+    format!("error: {name}: {why}\n`sim-host spectrum {name}` shows the frequencies of any time series.")
 }
 
 /// Returns a fit with its scene, or with the options that a scene needs.

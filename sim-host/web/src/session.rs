@@ -10,6 +10,7 @@ use sim::study::{self, Detached, Options, Study};
 use sim::{figures, summary, trace_table};
 
 use crate::request::Request;
+use crate::series::Shown;
 use crate::{opened, outcome};
 
 /// Observer of a run: called with the simulated time, s, or for several runs with the number of
@@ -58,14 +59,23 @@ impl Session {
     /// # Errors
     /// If there is no run, or the run has no such file.
     pub fn file(&mut self, name: &str) -> Result<String, String> {
+        self.of_last(|study, _| text(study, name))?
+    }
+
+    /// Returns the scene and the figures of the last run, if there is one.
+    pub(crate) fn shown(&mut self) -> Option<Shown> {
+        self.of_last(|study, loaded| Shown { loaded: loaded.clone(), figures: figures::of(study) }).ok()
+    }
+
+    fn of_last<T>(&mut self, find: impl FnOnce(&Study, &Loaded) -> T) -> Result<T, String> {
         let (loaded, study) = self.last.take().ok_or("there is no run yet")?;
         let Some(study) = study.of(&loaded.scene) else {
             return Err("the last run is of a different kind from its scene".to_owned());
         };
-        let text = text(&study, name);
+        let found = find(&study, &loaded);
         let study = study.detached();
         self.last = Some((loaded, study));
-        text
+        Ok(found)
     }
 }
 

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 /// A measured curve over a figure, from a table of numbers (`file`) or as points (`x` and
 /// `values`). The figure shows it as dots; `overlay_rms_…` and `overlay_max_…` are the differences
 /// of the simulated curve from it. When a scene is loaded, its file is replaced by the points.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Overlay {
     /// Curve of the figure that was measured, by the name of its column in the figure's CSV, for

@@ -1,5 +1,7 @@
 //! Figures of a run and the columns of their CSV files.
 
+use columns::heading::axis_unit;
+
 /// The data of a figure, `ID.csv`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FigureData {
@@ -16,6 +18,15 @@ pub struct FigureData {
 /// Prefix of the column of a measured curve that is drawn over a figure
 /// ([`Overlay`](crate::Overlay)).
 pub const MEASURED: &str = "measured_";
+
+/// Unit of an axis over which seconds are valid too: the frequency is known.
+const PERIODS: &str = "periods of the excitation";
+
+/// Returns the units that measured points over the axis with this label may have.
+pub fn axis_units(label: &str) -> [Option<&str>; 2] {
+    let own = axis_unit(label);
+    [own, if own == Some(PERIODS) { Some("s") } else { own }]
+}
 
 impl FigureData {
     /// Returns `true` if this is the figure's name.

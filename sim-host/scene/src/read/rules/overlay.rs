@@ -2,9 +2,9 @@
 
 use super::{Rules, listed, nearest, short};
 use crate::diagnostic::Problem;
-use crate::figures::{FIGURES, FigureData};
+use crate::figures::{FIGURES, FigureData, axis_units};
 use crate::schema::join;
-use columns::heading::{axis_unit, factor};
+use columns::heading::factor;
 
 impl Rules<'_> {
     pub(super) fn overlays(&mut self) {
@@ -53,7 +53,7 @@ impl Rules<'_> {
         let axes: Vec<&str> = having.iter().map(|figure| figure.x).collect();
         if self.clean(path)
             && self.has_points(path)
-            && !axes.iter().any(|axis| factor(unit.as_deref(), axis_unit(axis)).is_some())
+            && !axes.iter().flat_map(|axis| axis_units(axis)).any(|axis| factor(unit.as_deref(), axis).is_some())
         {
             let given = unit.unwrap_or_else(|| "no unit".to_owned());
             let message = format!("the points are over {given}, but the figure is over {}", listed(axes, "or"));
