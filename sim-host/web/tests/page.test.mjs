@@ -225,7 +225,7 @@ test("a dropped impedance becomes a scene with its fitted circuit; other files n
   assert.match(await text(page, "fit"), /Circuit fitted to horn\.csv.*series resonance \[Hz\](40000|39999\.9)/s);
   assert.match(await page.value("document.getElementById('toml').value"), /q = (400|399)\./);
   for (const [name, content, words] of [
-    ["signal.csv", "time [s],T [degC]\n0,1\n0.1,2\n", /a curve of this run over time: .*tip_velocity_true_m_per_s.*`sim-host spectrum signal\.csv`/s],
+    ["signal.csv", "time [s],T [degC]\n0,1\n0.1,2\n", /a curve of this run over time: .*frequency_command_hz.*`sim-host spectrum signal\.csv`/s],
     ["scene.toml", Buffer.from("\ufeffbase = 'lock'", "utf16le"), /^error: cannot read the scene `scene\.toml`: encoded as UTF-16; save it as UTF-8$/],
     ["log.csv", "t [s],F [N],v [m/s]\n0,1,0.1\n1,1,0.1\n", /^error: log\.csv: unit missing: the normal force has no unit; give it with `--normal-n`, or/],
   ]) {

@@ -131,3 +131,21 @@ set = [\"excitation.waveform=square\"]
         &["a contact study cannot be compared at equal power", "must be \"peak\""],
     );
 }
+
+#[test]
+fn a_reduction_is_matched_only_where_something_slides() {
+    let comparison = "[comparison]
+title = \"Bursts\"
+metrics = [\"mean_power_w\"]
+amplitude_key = \"controller.drive.amplitude_v\"
+match = [\"reduction\"]
+[[comparison.case]]
+name = \"continuous\"
+[[comparison.case]]
+name = \"bursts\"
+set = [\"controller.burst.period_s=0.01\", \"controller.burst.duty=0.5\"]
+";
+    let over = |base: &str| format!("base = \"{base}\"\nexpect = []\ngrid = false\n{comparison}");
+    says(&report(&over("burst"), &[]), &["without a slider, the cases have no reduction", "nothing slides"]);
+    assert!(load_text("a.toml", &over("least-power"), &[]).is_ok(), "{}", report(&over("least-power"), &[]));
+}

@@ -50,6 +50,11 @@ impl Rules<'_> {
                 let problem = Problem::new(self.place(&path), message, "must be \"peak\"");
                 self.add(&path, problem.help("`excitation.match` makes the rms of the excitation equal"));
             }
+            if self.kind == Some(Kind::Driven) && name == "reduction" && !self.given("rig.slider") {
+                let message = "without a slider, the cases have no reduction of the friction".to_owned();
+                let problem = Problem::new(self.place(&path), message, "nothing slides");
+                self.add(&path, problem.help("[rig.slider] slides on the tip; `match = [\"power\"]` needs none"));
+            }
         }
     }
 
