@@ -295,12 +295,8 @@ impl Motor {
         for step in 0..steps {
             last = self.step(step, &played, step_s, block);
             friction += last.force_n;
-            let adc = &mut self.adc;
-            self.linear.sample(step, listen, &played, last.modes_n, |seen| {
-                let [voltage, current] = adc.convert(seen);
-                v += voltage;
-                i += current;
-            });
+            let [voltage, current] = self.linear.sample(step, listen, &played, last.modes_n, &mut self.adc);
+            (v, i) = (v + voltage, i + current);
         }
         let force = self.model.drive_force_n(&self.linear.voltages());
         let acting = [force[0] + last.modes_n[0], force[1] + last.modes_n[1]];

@@ -79,16 +79,11 @@ impl Crest {
         }
     }
 
-    /// Returns the integrals from `a` to `b` of the pressure, and of the pressure times cosine and
-    /// sine.
-    fn pressed(&self, a: f64, b: f64) -> [f64; 3] {
+    /// Returns `P0`, `P1` and `P2` at an angle.
+    fn primitive(&self, p: f64) -> [f64; 3] {
         let (r, h) = (self.height_m, self.rotor_m);
-        let at = |p: f64| {
-            let (sin, cos) = libm::sincos(p);
-            [r * sin - h * p, 0.5 * r * (p + sin * cos) - h * sin, 0.5 * r * sin * sin + h * cos]
-        };
-        let (a, b) = (at(a), at(b));
-        std::array::from_fn(|n| b[n] - a[n])
+        let (sin, cos) = libm::sincos(p);
+        [r * sin - h * p, 0.5 * r * (p + sin * cos) - h * sin, 0.5 * r * sin * sin + h * cos]
     }
 
     /// Returns the friction on a rotor whose surface moves at `speed` m/s. It is zero if nothing
@@ -98,8 +93,10 @@ impl Crest {
         if zone == 0.0 {
             return CrestFriction::default();
         }
-        let all = self.pressed(-zone, zone);
-        let faster = self.faster_side(zone, speed);
+        let end = self.primitive(zone);
+        // P0 and P1 are odd, P2 is even.
+        let all = [2.0 * end[0], 2.0 * end[1], 0.0];
+        let faster = self.faster_side(zone, end, speed).unwrap_or(all);
         let scale = layer.stiffness_n_per_m / TAU;
         let [force_n, cos_n, sin_n] = std::array::from_fn(|n| layer.mu * scale * (2.0 * faster[n] - all[n]));
         let pull = CrestFriction { force_n, cos_n, sin_n, normal_n: scale * all[0] };
@@ -108,15 +105,20 @@ impl Crest {
     }
 
     /// Returns the integrals over the part of the zone in which the surface is faster than the
-    /// rotor.
-    fn faster_side(&self, zone: f64, speed: f64) -> [f64; 3] {
+    /// rotor; `None` for all of it. `end` is the primitive at the end of the zone.
+    fn faster_side(&self, zone: f64, end: [f64; 3], speed: f64) -> Option<[f64; 3]> {
         let amplitude = length(self.along_m_per_s, self.across_m_per_s);
         if speed >= amplitude {
-            return [0.0; 3];
+            return Some([0.0; 3]);
         }
         if speed <= -amplitude {
-            return self.pressed(-zone, zone);
+            return None;
         }
+        let at = |p: f64| match p {
+            p if p == zone => end,
+            p if p == -zone => [-end[0], -end[1], end[2]],
+            p => self.primitive(p),
+        };
         let delta = libm::atan2(self.across_m_per_s, self.along_m_per_s);
         let half = libm::acos(speed / amplitude);
         let mut sum = [0.0; 3];
@@ -124,11 +126,11 @@ impl Crest {
         for centre in [delta - TAU, delta, delta + TAU] {
             let (from, to) = ((centre - half).max(-zone), (centre + half).min(zone));
             if from < to {
-                let part = self.pressed(from, to);
-                sum = std::array::from_fn(|n| sum[n] + part[n]);
+                let (a, b) = (at(from), at(to));
+                sum = std::array::from_fn(|n| sum[n] + (b[n] - a[n]));
             }
         }
-        sum
+        Some(sum)
     }
 }
 

@@ -7,29 +7,32 @@
 //! amplifiers, so only eight rows of the flow are full.
 
 use firmware::seam::block::MAX_LANES;
-use wide::{f64x2, f64x4};
 
+use crate::converter::Adc;
 use crate::motor::lanes::Played;
 use crate::motor::model::Model;
 use crate::motor::network::{D, DRIVE, E, FORCE, Network, Q, S, STATES, V, WIDTH, network};
 use crate::motor::participation::MODES;
+use crate::quad::{Kernel, Portable, Quad, Registers, Wide, run_widest};
 use crate::timing::Timing;
 use contact::flow::exponential;
 use scene::Amplifier;
 
 /// Rows of the network in groups of four that fill vector registers: lane voltages, modes,
 /// amplifier outputs, their slopes.
-type Fours = [f64x4; 4];
+type Fours = [Quad; 4];
 
 /// Response of the rows to each lane's voltage before and after it changes.
 type Response = [[Fours; 2]; MAX_LANES];
 
-/// Coefficients of voltage and current of one lane at a certain time within a step.
-#[derive(Clone, Copy, Debug)]
+/// Coefficients of voltage and current of one lane at two times within a step (v, i, v, i).
+#[derive(Clone, Copy, Debug, Default)]
 struct Look {
-    state: [f64x2; STATES],
-    drive: [[f64x2; 2]; MAX_LANES],
-    force: [f64x2; MODES],
+    /// Number of conversions, 1 or 2; with one, the second half is zero.
+    conversions: usize,
+    state: [Quad; STATES],
+    drive: [[Quad; 2]; MAX_LANES],
+    force: [Quad; MODES],
 }
 
 /// The network and its state.
@@ -39,13 +42,13 @@ pub struct Linear {
     /// The state at the beginning of the last step.
     before: Fours,
     /// Columns of the flow for the rows of voltages and modes.
-    flow: [[f64x4; 2]; STATES],
+    flow: [[Quad; 2]; STATES],
     /// Flow of the amplifiers: `e` from `e` and `d`, `d` from `e` and `d`. All four are identical.
-    amplifier: [f64x4; 4],
+    amplifier: [Quad; 4],
     /// Response of each step of a sample.
     drive: Vec<Response>,
     /// Response of voltages and modes to the friction on each mode, N.
-    force: [[f64x4; 2]; MODES],
+    force: [[Quad; 2]; MODES],
     /// Coefficients by step of a sample, by conversion in that step, by lane.
     looks: Vec<Vec<[Look; MAX_LANES]>>,
 }
@@ -79,13 +82,13 @@ impl Flows {
 }
 
 fn fours(row: impl Fn(usize) -> f64) -> Fours {
-    std::array::from_fn(|four| f64x4::new(std::array::from_fn(|n| row(4 * four + n))))
+    std::array::from_fn(|four| Quad(std::array::from_fn(|n| row(4 * four + n))))
 }
 
 impl Linear {
     /// Creates a stator at rest whose lanes change their voltage `change` samples into each sample.
     pub fn new(model: &Model, amplifier: &Amplifier, timing: Timing, change: [f64; MAX_LANES]) -> Self {
-        let zero = f64x4::splat(0.0);
+        let zero = Quad::default();
         let mut linear = Linear {
             x: [zero; 4],
             before: [zero; 4],
@@ -107,7 +110,7 @@ impl Linear {
         let column = |c: usize| fours(|r| step[r][c]);
         self.flow = std::array::from_fn(|c| [column(c)[0], column(c)[1]]);
         self.force = std::array::from_fn(|mode| [column(FORCE + mode)[0], column(FORCE + mode)[1]]);
-        self.amplifier = [step[E][E], step[E][D], step[D][E], step[D][D]].map(f64x4::splat);
+        self.amplifier = [step[E][E], step[E][D], step[D][E], step[D][D]].map(Quad::splat);
 
         let into = |step: usize, lane: usize| change[lane] * timing.sample_s - step as f64 * step_s;
         self.drive = (0..timing.steps as usize)
@@ -119,111 +122,156 @@ impl Linear {
             })
             .collect();
         let source = amplifier.source_ohm;
-        let mut look = |step: usize, lane: usize, [v, i]: [f64; 2]| {
-            let (early, late) = (*flows.over(v), *flows.over(i));
-            // Measured at the amplifier's terminals: without electrodes, its full output and no
-            // current.
-            let terminal = if model.connected[lane] { V + lane } else { E + lane };
-            // The total current is (e - v) / Rs.
-            let total = |column: usize| (late[E + lane][column] - late[terminal][column]) / source;
-            let both = |column: usize| f64x2::new([early[terminal][column], total(column)]);
-            Look {
-                state: std::array::from_fn(both),
-                drive: std::array::from_fn(|by| {
+        let mut look = |step: usize, lane: usize, instants: &[[f64; 2]]| {
+            let mut look = Look { conversions: instants.len(), ..Look::default() };
+            for (conversion, [v, i]) in instants.iter().enumerate() {
+                let (early, late) = (*flows.over(*v), *flows.over(*i));
+                // Measured at the amplifier's terminals: without electrodes, its full output and no
+                // current.
+                let terminal = if model.connected[lane] { V + lane } else { E + lane };
+                // The total current is (e - v) / Rs.
+                let total = |column: usize| (late[E + lane][column] - late[terminal][column]) / source;
+                let put = |quad: &mut Quad, both: [f64; 2]| quad.0[2 * conversion..][..2].copy_from_slice(&both);
+                let both = |column: usize| [early[terminal][column], total(column)];
+                look.state.iter_mut().enumerate().for_each(|(state, quad)| put(quad, both(state)));
+                look.force.iter_mut().enumerate().for_each(|(mode, quad)| put(quad, both(FORCE + mode)));
+                for (by, drive) in look.drive.iter_mut().enumerate() {
                     let at = into(step, by);
-                    let voltage = flows.drive(terminal, by, v, at);
-                    let (e, v) = (flows.drive(E + lane, by, i, at), flows.drive(terminal, by, i, at));
-                    std::array::from_fn(|n| f64x2::new([voltage[n], (e[n] - v[n]) / source]))
-                }),
-                force: std::array::from_fn(|mode| both(FORCE + mode)),
+                    let voltage = flows.drive(terminal, by, *v, at);
+                    let (e, u) = (flows.drive(E + lane, by, *i, at), flows.drive(terminal, by, *i, at));
+                    drive.iter_mut().enumerate().for_each(|(n, quad)| put(quad, [voltage[n], (e[n] - u[n]) / source]));
+                }
             }
+            look
         };
+        let mut looks = |step: usize, instants: &[[f64; 2]]| std::array::from_fn(|lane| look(step, lane, instants));
         let instants = timing.instants().into_iter().enumerate();
-        self.looks = instants
-            .map(|(step, instants)| instants.into_iter().map(|at| std::array::from_fn(|lane| look(step, lane, at))).collect())
-            .collect();
+        self.looks = instants.map(|(step, instants)| instants.chunks(2).map(|pair| looks(step, pair)).collect()).collect();
     }
 
     /// Advances by step `step` of a sample with the drive as played and no friction.
     #[inline]
     pub fn advance(&mut self, step: usize, played: &Played) {
-        let mut sum = [f64x4::splat(0.0); 4];
-        for (lane, [before, after]) in self.drive[step].iter().enumerate() {
-            let (a, b) = (f64x4::splat(played.before[lane]), f64x4::splat(played.after[lane]));
-            for row in 0..4 {
-                sum[row] += before[row] * a + after[row] * b;
-            }
-        }
-        let [ee, ed, de, dd] = self.amplifier;
-        let [_, _, e, d] = self.x;
-        sum[2] += ee * e + ed * d;
-        sum[3] += de * e + dd * d;
-        for (four, columns) in self.flow.chunks_exact(4).enumerate() {
-            for (x, [volts, modes]) in self.x[four].to_array().into_iter().zip(columns) {
-                sum[0] += *volts * x;
-                sum[1] += *modes * x;
-            }
-        }
-        self.before = std::mem::replace(&mut self.x, sum);
+        run_widest(Advance { linear: self, step, played });
     }
 
     /// Adds the effect of a friction of `newtons` on each mode during the last step, N.
     #[inline]
     pub fn push(&mut self, newtons: [f64; MODES]) {
-        for (newtons, [volts, modes]) in newtons.into_iter().zip(&self.force) {
-            self.x[0] += *volts * newtons;
-            self.x[1] += *modes * newtons;
+        for (newtons, force) in newtons.into_iter().zip(&self.force) {
+            let newtons = Wide::splat(Portable, newtons);
+            for (x, response) in self.x.iter_mut().zip(force) {
+                *x = (x.wide(Portable) + response.wide(Portable) * newtons).quad();
+            }
         }
     }
 
     /// Returns the velocity change of a mode by one newton over a step, m/s.
     pub fn velocity_per_newton(&self) -> f64 {
-        self.force[0][1].to_array()[0]
+        self.force[0][1][0]
     }
 
     /// Returns the velocities of the sine and the cosine mode, m/s.
     #[inline]
     pub fn velocities(&self) -> [f64; MODES] {
-        let [s, c, _, _] = self.x[1].to_array();
+        let Quad([s, c, _, _]) = self.x[1];
         [s, c]
     }
 
     /// Returns the amplitudes of the sine and the cosine mode, m.
     #[inline]
     pub fn amplitudes(&self) -> [f64; MODES] {
-        let [_, _, s, c] = self.x[1].to_array();
+        let Quad([_, _, s, c]) = self.x[1];
         [s, c]
     }
 
     /// Returns the voltages of the lanes, V.
     #[inline]
     pub fn voltages(&self) -> [f64; MAX_LANES] {
-        self.x[0].to_array()
+        self.x[0].0
     }
 
     /// Sets states below 1e-150 to zero: denormal numbers halve the speed of this arithmetic.
     pub fn settle(&mut self) {
         let ended = |x: f64| if x.abs() < 1e-150 { 0.0 } else { x };
-        self.x = self.x.map(|four| f64x4::new(four.to_array().map(ended)));
+        self.x = self.x.map(|four| Quad(four.0.map(ended)));
     }
 
-    /// Passes voltage and current of a lane at each conversion within step `step` to `convert`. The
-    /// step has just been made, with a friction of `newtons` on each mode.
+    /// Returns the sums of the codes of a lane's voltage and current within step `step`. The step
+    /// has just been made, with a friction of `newtons` on each mode.
     #[inline]
-    pub fn sample(&self, step: usize, lane: usize, played: &Played, newtons: [f64; MODES], mut convert: impl FnMut(f64x2)) {
-        for looks in &self.looks[step] {
-            let look = &looks[lane];
-            let mut sum = look.force[0] * newtons[0] + look.force[1] * newtons[1];
-            for (by, [before, after]) in look.drive.iter().enumerate() {
-                sum += *before * played.before[by] + *after * played.after[by];
-            }
-            for (four, columns) in look.state.chunks_exact(4).enumerate() {
-                for (x, column) in self.before[four].to_array().into_iter().zip(columns) {
-                    sum += *column * x;
-                }
-            }
-            convert(sum);
+    pub fn sample(&self, step: usize, lane: usize, played: &Played, newtons: [f64; MODES], adc: &mut Adc) -> [u16; 2] {
+        let looks = self.looks[step].iter().map(|looks| &looks[lane]);
+        looks.fold([0; 2], |[v, i], look| {
+            let [more_v, more_i] = run_widest(Convert { look, before: &self.before, played, newtons, adc });
+            [v + more_v, i + more_i]
+        })
+    }
+}
+
+/// One or two conversions of a lane within a step.
+struct Convert<'a> {
+    look: &'a Look,
+    /// The state at the beginning of the step.
+    before: &'a Fours,
+    played: &'a Played,
+    newtons: [f64; MODES],
+    adc: &'a mut Adc,
+}
+
+impl Kernel for Convert<'_> {
+    type Output = [u16; 2];
+
+    #[inline(always)]
+    fn with<F: Registers>(self, four: F) -> [u16; 2] {
+        let Convert { look, before, played, newtons, adc } = self;
+        let times = |part: Quad, number: f64| part.wide(four) * Wide::splat(four, number);
+        let mut sum = times(look.force[0], newtons[0]) + times(look.force[1], newtons[1]);
+        for (by, [earlier, later]) in look.drive.iter().enumerate() {
+            sum = sum + (times(*earlier, played.before[by]) + times(*later, played.after[by]));
         }
+        for (x, columns) in before.iter().zip(look.state.chunks_exact(4)) {
+            for (x, column) in x.0.into_iter().zip(columns) {
+                sum = sum + times(*column, x);
+            }
+        }
+        let scaled = adc.scaled(sum);
+        adc.digitize(scaled, look.conversions)
+    }
+}
+
+/// A step of a sample with the drive as played and no friction.
+struct Advance<'a> {
+    linear: &'a mut Linear,
+    step: usize,
+    played: &'a Played,
+}
+
+impl Kernel for Advance<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with<F: Registers>(self, four: F) {
+        let Advance { linear, step, played } = self;
+        let mut sum = [Wide::splat(four, 0.0); 4];
+        for (lane, [before, after]) in linear.drive[step].iter().enumerate() {
+            let (a, b) = (Wide::splat(four, played.before[lane]), Wide::splat(four, played.after[lane]));
+            for row in 0..4 {
+                sum[row] = sum[row] + (before[row].wide(four) * a + after[row].wide(four) * b);
+            }
+        }
+        let [ee, ed, de, dd] = linear.amplifier.map(|part| part.wide(four));
+        let [_, _, e, d] = linear.x.map(|rows| rows.wide(four));
+        sum[2] = sum[2] + (ee * e + ed * d);
+        sum[3] = sum[3] + (de * e + dd * d);
+        for (rows, columns) in linear.flow.chunks_exact(4).enumerate() {
+            for (x, [volts, modes]) in linear.x[rows].0.into_iter().zip(columns) {
+                let x = Wide::splat(four, x);
+                sum[0] = sum[0] + volts.wide(four) * x;
+                sum[1] = sum[1] + modes.wide(four) * x;
+            }
+        }
+        linear.before = std::mem::replace(&mut linear.x, sum.map(Wide::quad));
     }
 }
 
