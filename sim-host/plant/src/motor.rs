@@ -47,6 +47,7 @@ use crate::motor::linear::Linear;
 use crate::motor::model::Model;
 use crate::motor::rotor::{Rotor, RotorFriction};
 use crate::motor::wave::Tone;
+use crate::quad::{Kernel, Registers, run_widest};
 use crate::sums::Sums;
 use crate::timing::Timing;
 use crate::truth::{MotorTruth, Sample, Truth};
@@ -245,14 +246,14 @@ impl Motor {
     }
 
     /// Makes step `step` of a sample with the lanes as played. Returns the friction in it.
-    #[inline]
-    fn step(&mut self, step: usize, played: &Played, step_s: f64, block: &mut Block) -> RotorFriction {
+    #[inline(always)]
+    fn step<F: Registers>(&mut self, four: F, step: usize, played: &Played, step_s: f64, block: &mut Block) -> RotorFriction {
         let before = self.linear.amplitudes();
-        self.linear.advance(step, played);
+        self.linear.advance(four, step, played);
         let mut dragged = RotorFriction::default();
         if let Some(rotor) = &mut self.rotor {
             let slow = rotor.speed();
-            dragged = rotor.drag(&mut self.linear, step_s);
+            dragged = rotor.drag(four, &mut self.linear, step_s);
             let after = self.linear.amplitudes();
             let RotorFriction { force_n, modes_n, normal_n } = dragged;
             let sums = &mut block.sums;
@@ -287,15 +288,26 @@ impl Motor {
     /// Plays one code on each lane. Returns the codes of voltage and current that were sampled
     /// meanwhile at the lane `listen`. A lane without a code is held at zero volts.
     pub(crate) fn play(&mut self, codes: &[Option<u16>; MAX_LANES], listen: usize, block: &mut Block) -> (u16, u16) {
+        run_widest(Play { motor: self, codes, listen, block })
+    }
+
+    #[inline(always)]
+    fn play_in<F: Registers>(
+        &mut self,
+        four: F,
+        codes: &[Option<u16>; MAX_LANES],
+        listen: usize,
+        block: &mut Block,
+    ) -> (u16, u16) {
         let (steps, step_s) = (self.timing.steps as usize, self.timing.step_s());
         let volts: [f64; MAX_LANES] = codes.map(|code| code.map_or(0.0, |code| self.dac.volts(code)));
         let played = self.lanes.play(&volts);
         let (mut v, mut i, mut friction) = (0, 0, 0.0);
         let mut last = RotorFriction::default();
         for step in 0..steps {
-            last = self.step(step, &played, step_s, block);
+            last = self.step(four, step, &played, step_s, block);
             friction += last.force_n;
-            let [voltage, current] = self.linear.sample(step, listen, &played, last.modes_n, &mut self.adc);
+            let [voltage, current] = self.linear.sample(four, (step, listen), &played, last.modes_n, &mut self.adc);
             (v, i) = (v + voltage, i + current);
         }
         let force = self.model.drive_force_n(&self.linear.voltages());
@@ -312,6 +324,23 @@ impl Motor {
     pub(crate) fn end(&mut self, drive: &DriveBlock, block: &Block) {
         let samples = drive.lanes.first().map_or(0, |lane| lane.len());
         self.account(drive, block, (samples * self.timing.steps as usize) as f64);
+    }
+}
+
+/// A sample on all lanes.
+struct Play<'a> {
+    motor: &'a mut Motor,
+    codes: &'a [Option<u16>; MAX_LANES],
+    listen: usize,
+    block: &'a mut Block,
+}
+
+impl Kernel for Play<'_> {
+    type Output = (u16, u16);
+
+    #[inline(always)]
+    fn with<F: Registers>(self, four: F) -> (u16, u16) {
+        self.motor.play_in(four, self.codes, self.listen, self.block)
     }
 }
 

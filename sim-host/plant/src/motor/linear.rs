@@ -13,7 +13,7 @@ use crate::motor::lanes::Played;
 use crate::motor::model::Model;
 use crate::motor::network::{D, DRIVE, E, FORCE, Network, Q, S, STATES, V, WIDTH, network};
 use crate::motor::participation::MODES;
-use crate::quad::{Kernel, Portable, Quad, Registers, Wide, run_widest};
+use crate::quad::{Quad, Registers, Wide};
 use crate::timing::Timing;
 use contact::flow::exponential;
 use scene::Amplifier;
@@ -150,18 +150,36 @@ impl Linear {
     }
 
     /// Advances by step `step` of a sample with the drive as played and no friction.
-    #[inline]
-    pub fn advance(&mut self, step: usize, played: &Played) {
-        run_widest(Advance { linear: self, step, played });
+    #[inline(always)]
+    pub(crate) fn advance<F: Registers>(&mut self, four: F, step: usize, played: &Played) {
+        let mut sum = [Wide::splat(four, 0.0); 4];
+        for (lane, [before, after]) in self.drive[step].iter().enumerate() {
+            let (a, b) = (Wide::splat(four, played.before[lane]), Wide::splat(four, played.after[lane]));
+            for row in 0..4 {
+                sum[row] = sum[row] + (before[row].wide(four) * a + after[row].wide(four) * b);
+            }
+        }
+        let [ee, ed, de, dd] = self.amplifier.map(|part| part.wide(four));
+        let [_, _, e, d] = self.x.map(|rows| rows.wide(four));
+        sum[2] = sum[2] + (ee * e + ed * d);
+        sum[3] = sum[3] + (de * e + dd * d);
+        for (rows, columns) in self.flow.chunks_exact(4).enumerate() {
+            for (x, [volts, modes]) in self.x[rows].0.into_iter().zip(columns) {
+                let x = Wide::splat(four, x);
+                sum[0] = sum[0] + volts.wide(four) * x;
+                sum[1] = sum[1] + modes.wide(four) * x;
+            }
+        }
+        self.before = std::mem::replace(&mut self.x, sum.map(Wide::quad));
     }
 
     /// Adds the effect of a friction of `newtons` on each mode during the last step, N.
-    #[inline]
-    pub fn push(&mut self, newtons: [f64; MODES]) {
+    #[inline(always)]
+    pub(crate) fn push<F: Registers>(&mut self, four: F, newtons: [f64; MODES]) {
         for (newtons, force) in newtons.into_iter().zip(&self.force) {
-            let newtons = Wide::splat(Portable, newtons);
+            let newtons = Wide::splat(four, newtons);
             for (x, response) in self.x.iter_mut().zip(force) {
-                *x = (x.wide(Portable) + response.wide(Portable) * newtons).quad();
+                *x = (x.wide(four) + response.wide(four) * newtons).quad();
             }
         }
     }
@@ -199,79 +217,32 @@ impl Linear {
 
     /// Returns the sums of the codes of a lane's voltage and current within step `step`. The step
     /// has just been made, with a friction of `newtons` on each mode.
-    #[inline]
-    pub fn sample(&self, step: usize, lane: usize, played: &Played, newtons: [f64; MODES], adc: &mut Adc) -> [u16; 2] {
-        let looks = self.looks[step].iter().map(|looks| &looks[lane]);
-        looks.fold([0; 2], |[v, i], look| {
-            let [more_v, more_i] = run_widest(Convert { look, before: &self.before, played, newtons, adc });
-            [v + more_v, i + more_i]
-        })
-    }
-}
-
-/// One or two conversions of a lane within a step.
-struct Convert<'a> {
-    look: &'a Look,
-    /// The state at the beginning of the step.
-    before: &'a Fours,
-    played: &'a Played,
-    newtons: [f64; MODES],
-    adc: &'a mut Adc,
-}
-
-impl Kernel for Convert<'_> {
-    type Output = [u16; 2];
-
     #[inline(always)]
-    fn with<F: Registers>(self, four: F) -> [u16; 2] {
-        let Convert { look, before, played, newtons, adc } = self;
+    pub(crate) fn sample<F: Registers>(
+        &self,
+        four: F,
+        (step, lane): (usize, usize),
+        played: &Played,
+        newtons: [f64; MODES],
+        adc: &mut Adc,
+    ) -> [u16; 2] {
         let times = |part: Quad, number: f64| part.wide(four) * Wide::splat(four, number);
-        let mut sum = times(look.force[0], newtons[0]) + times(look.force[1], newtons[1]);
-        for (by, [earlier, later]) in look.drive.iter().enumerate() {
-            sum = sum + (times(*earlier, played.before[by]) + times(*later, played.after[by]));
-        }
-        for (x, columns) in before.iter().zip(look.state.chunks_exact(4)) {
-            for (x, column) in x.0.into_iter().zip(columns) {
-                sum = sum + times(*column, x);
+        let mut codes = [0; 2];
+        for looks in &self.looks[step] {
+            let look = &looks[lane];
+            let mut sum = times(look.force[0], newtons[0]) + times(look.force[1], newtons[1]);
+            for (by, [earlier, later]) in look.drive.iter().enumerate() {
+                sum = sum + (times(*earlier, played.before[by]) + times(*later, played.after[by]));
             }
-        }
-        let scaled = adc.scaled(sum);
-        adc.digitize(scaled, look.conversions)
-    }
-}
-
-/// A step of a sample with the drive as played and no friction.
-struct Advance<'a> {
-    linear: &'a mut Linear,
-    step: usize,
-    played: &'a Played,
-}
-
-impl Kernel for Advance<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with<F: Registers>(self, four: F) {
-        let Advance { linear, step, played } = self;
-        let mut sum = [Wide::splat(four, 0.0); 4];
-        for (lane, [before, after]) in linear.drive[step].iter().enumerate() {
-            let (a, b) = (Wide::splat(four, played.before[lane]), Wide::splat(four, played.after[lane]));
-            for row in 0..4 {
-                sum[row] = sum[row] + (before[row].wide(four) * a + after[row].wide(four) * b);
+            for (x, columns) in self.before.iter().zip(look.state.chunks_exact(4)) {
+                for (x, column) in x.0.into_iter().zip(columns) {
+                    sum = sum + times(*column, x);
+                }
             }
+            let [v, i] = adc.digitize(adc.scaled(sum), look.conversions);
+            codes = [codes[0] + v, codes[1] + i];
         }
-        let [ee, ed, de, dd] = linear.amplifier.map(|part| part.wide(four));
-        let [_, _, e, d] = linear.x.map(|rows| rows.wide(four));
-        sum[2] = sum[2] + (ee * e + ed * d);
-        sum[3] = sum[3] + (de * e + dd * d);
-        for (rows, columns) in linear.flow.chunks_exact(4).enumerate() {
-            for (x, [volts, modes]) in linear.x[rows].0.into_iter().zip(columns) {
-                let x = Wide::splat(four, x);
-                sum[0] = sum[0] + volts.wide(four) * x;
-                sum[1] = sum[1] + modes.wide(four) * x;
-            }
-        }
-        linear.before = std::mem::replace(&mut linear.x, sum.map(Wide::quad));
+        codes
     }
 }
 

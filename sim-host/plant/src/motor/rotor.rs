@@ -22,6 +22,7 @@ use crate::motor::linear::Linear;
 use crate::motor::model::Model;
 use crate::motor::participation::MODES;
 use crate::motor::seat;
+use crate::quad::Registers;
 
 /// Relative change of the speed in one step above which the friction at the end of the step is
 /// used.
@@ -152,15 +153,15 @@ impl Rotor {
     }
 
     /// Computes the friction over the step that `linear` has just made without it.
-    #[inline]
-    pub fn drag(&mut self, linear: &mut Linear, step_s: f64) -> RotorFriction {
+    #[inline(always)]
+    pub(crate) fn drag<F: Registers>(&mut self, four: F, linear: &mut Linear, step_s: f64) -> RotorFriction {
         let gain = linear.velocity_per_newton();
         let per_newton = step_s / self.mass_kg;
         let load = self.torque_nm / self.radius_m;
         let free = linear.velocities();
         let moving = length(free[0], free[1]);
 
-        linear.push(self.last.modes_n);
+        linear.push(four, self.last.modes_n);
         let (wave, cos, sin) = crest(linear, self.slope, self.height_m);
         let ahead = self.speed + per_newton * (self.last.force_n - load);
         let pull = wave.friction(&self.layer, ahead);
@@ -180,7 +181,7 @@ impl Rotor {
             dragged.modes_n = free.map(against);
             last.modes_n = dragged.modes_n;
         }
-        linear.push([0, 1].map(|mode| dragged.modes_n[mode] - self.last.modes_n[mode]));
+        linear.push(four, [0, 1].map(|mode| dragged.modes_n[mode] - self.last.modes_n[mode]));
 
         let surface = length(wave.along_m_per_s, wave.across_m_per_s);
         let most = self.layer.mu * pull.normal_n;
