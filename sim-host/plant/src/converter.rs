@@ -5,7 +5,7 @@
 //! a hardware oversampler.
 
 use crate::noise::Noise;
-use crate::quad::{LANES, Quad, Registers, Wide};
+use crate::quad::{LANES, Portable, Quad, Registers, Wide};
 use scene::{Amplifier, Sensors};
 
 /// DAC of one lane, whose output is held between samples.
@@ -65,6 +65,12 @@ impl Adc {
         }
     }
 
+    /// Converts voltage and current to codes.
+    pub fn convert(&mut self, [v, i]: [f64; 2]) -> [u16; 2] {
+        let scaled = self.scaled(Quad([v, i, 0.0, 0.0]).wide(Portable));
+        self.digitize(scaled, 1)
+    }
+
     /// Returns the voltages and currents of two conversions in LSB, before their noise.
     #[inline(always)]
     pub(crate) fn scaled<F: Registers>(&self, values: Wide<F>) -> Wide<F> {
@@ -97,18 +103,12 @@ pub(crate) fn codes<F: Registers>(noisy: Wide<F>, top: Wide<F>) -> [i32; LANES] 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::quad::Portable;
-
-    fn convert(adc: &mut Adc, [v, i]: [f64; 2]) -> [u16; 2] {
-        let scaled = adc.scaled(Quad([v, i, 0.0, 0.0]).wide(Portable));
-        adc.digitize(scaled, 1)
-    }
 
     #[test]
     fn noise_has_the_stated_size_and_mean() {
         let sensors = Sensors { noise_lsb: 2.0, offset_lsb: 7.0, ..Sensors::default() };
         let mut adc = Adc::new(&sensors, 3);
-        let codes: Vec<[f64; 2]> = (0..100_000).map(|_| convert(&mut adc, [1.0, 0.2]).map(f64::from)).collect();
+        let codes: Vec<[f64; 2]> = (0..100_000).map(|_| adc.convert([1.0, 0.2]).map(f64::from)).collect();
         for channel in 0..2 {
             let codes: Vec<f64> = codes.iter().map(|code| code[channel] - 2048.0 - 102.4).collect();
             let mean = codes.iter().sum::<f64>() / codes.len() as f64;
@@ -124,8 +124,8 @@ mod tests {
     #[test]
     fn the_range_ends_saturate() {
         let mut adc = Adc::new(&Sensors::default(), 1);
-        assert_eq!(convert(&mut adc, [1e6, -1e6]), [4095, 0]);
-        assert_eq!(convert(&mut adc, [-1e300, f64::INFINITY]), [0, 4095]);
+        assert_eq!(adc.convert([1e6, -1e6]), [4095, 0]);
+        assert_eq!(adc.convert([-1e300, f64::INFINITY]), [0, 4095]);
     }
 
     #[test]

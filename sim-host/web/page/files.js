@@ -21,7 +21,7 @@ const OPTIONS = [
   ["tip_m_per_s", "Peak velocity of the vibration, m/s (--tip-m-per-s)"],
 ];
 
-/** Reads a file as a scene to open; a measurement becomes the scene of its fit, a time series a curve over the last run. */
+/** Reads a file as a scene to open; a measurement becomes the scene of its fit, and a time series is compared with the last run. */
 export async function sceneOf(file, core, given = {}) {
   const { name } = file, { text, fit, sets } = await core.ask("read", { name, ...given }, new Uint8Array(await file.arrayBuffer()));
   return fit ? { name: name.replace(/\.\w+$/, ".toml"), text, sets, fit: { ...fit, file, given } } : { name, text };

@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 
 use crate::outcome::table;
 use crate::request::stem;
-use crate::series::{Match, Shown};
+use crate::series::{Shown, is_over_time};
 
 /// Lines in which the heading of a file is searched for.
 const HEAD_LINES: usize = 50;
@@ -61,20 +61,11 @@ impl OpenedFile {
                 Ok(fit)
             }
             // The columns decide only about a file that is not an admittance.
-            Err(error) => {
-                let series = |by| shown?.with_series(name, &columns::parse(&content, None).ok()?, by);
-                if let Some(drawn) = series(Match::Name) {
-                    Ok(drawn)
-                } else if has_friction(&content) {
-                    Ok(self.friction(content))
-                } else if let Some(drawn) = series(Match::Unit) {
-                    Ok(drawn)
-                } else if begins("t") || begins("time") {
-                    Err(not_drawn(name, shown))
-                } else {
-                    Err(format!("error: {error}\n`sim-host import admittance {name}` has options for columns and units."))
-                }
-            }
+            Err(_) if has_friction(&content) => Ok(self.friction(content)),
+            Err(error) => match columns::parse(&content, None).ok().filter(is_over_time) {
+                Some(table) => shown.and_then(|shown| shown.with_series(name, &table)).ok_or_else(|| not_compared(name, shown)),
+                None => Err(format!("error: {error}\n`sim-host import admittance {name}` has options for columns and units.")),
+            },
         }
     }
 
@@ -101,13 +92,18 @@ impl OpenedFile {
     }
 }
 
-/// Returns the reason why a time series is not drawn.
-fn not_drawn(name: &str, shown: Option<&Shown>) -> String {
-    let why = match shown.map(Shown::curves) {
-        Some(curves) => {
-            format!("no column has the name or the unit of a curve of this run over time: {}", curves.join(", "))
-        }
+/// Returns the reason why a time series is compared with nothing.
+fn not_compared(name: &str, shown: Option<&Shown>) -> String {
+    let curves = shown.map(|shown| shown.curves_at(&[]));
+    let why = match curves.as_deref() {
         None => "there is no run to compare it with".to_owned(),
+        Some([]) => "this run has no curve over time".to_owned(),
+        Some(curves) => {
+            let mut curves = curves.to_vec();
+            curves.sort_unstable();
+            curves.dedup();
+            format!("no column has the name of a curve of this run over time, or its unit alone: {}", curves.join(", "))
+        }
     };
     format!("error: {name}: {why}\n`sim-host spectrum {name}` shows the frequencies of any time series.")
 }

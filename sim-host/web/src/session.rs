@@ -9,6 +9,7 @@ use serde_json::Value;
 use sim::study::{self, Detached, Options, Study};
 use sim::{figures, summary, trace_table};
 
+use crate::measurement::OpenedFile;
 use crate::request::Request;
 use crate::series::Shown;
 use crate::{opened, outcome};
@@ -62,9 +63,14 @@ impl Session {
         self.of_last(|study, _| text(study, name))?
     }
 
-    /// Returns the scene and the figures of the last run, if there is one.
-    pub(crate) fn shown(&mut self) -> Option<Shown> {
-        self.of_last(|study, loaded| Shown { loaded: loaded.clone(), figures: figures::of(study) }).ok()
+    /// Reads a file as a scene. A measurement becomes the scene of its fit, or is compared with the
+    /// last run.
+    ///
+    /// # Errors
+    /// If the content is neither a scene nor a measurement, in the words of the command line.
+    pub fn read(&mut self, file: &OpenedFile, content: Vec<u8>) -> Result<Value, String> {
+        let shown = self.of_last(|study, loaded| Shown { loaded: loaded.clone(), figures: figures::of(study) });
+        file.read(content, shown.ok().as_ref())
     }
 
     fn of_last<T>(&mut self, find: impl FnOnce(&Study, &Loaded) -> T) -> Result<T, String> {

@@ -84,9 +84,7 @@ pub fn target(request: &str) -> String {
 /// Reads a file as a scene; a measurement is fitted, or drawn over the last run.
 #[wasm_bindgen]
 pub fn read(request: &str, content: Vec<u8>) -> String {
-    SESSION.with_borrow_mut(|session| {
-        wrapped(parsed(request).and_then(|file: OpenedFile| file.read(content, session.shown().as_ref())))
-    })
+    SESSION.with_borrow_mut(|session| wrapped(parsed(request).and_then(|file: OpenedFile| session.read(&file, content))))
 }
 
 /// Talks to a board until the page leaves or the board is lost. It has no argument and no result,

@@ -225,7 +225,7 @@ test("a dropped impedance becomes a scene with its fitted circuit; other files n
   assert.match(await text(page, "fit"), /Circuit fitted to horn\.csv.*series resonance \[Hz\](40000|39999\.9)/s);
   assert.match(await page.value("document.getElementById('toml').value"), /q = (400|399)\./);
   for (const [name, content, words] of [
-    ["signal.csv", "time [s],T [degC]\n0,1\n0.1,2\n", /a curve of this run over time: .*frequency_command_hz.*`sim-host spectrum signal\.csv`/s],
+    ["signal.csv", "time [s],T [degC]\n0,1\n0.1,2\n", /a curve of this run over time, or its unit alone: .*frequency_command_hz.*`sim-host spectrum signal\.csv`/s],
     ["scene.toml", Buffer.from("\ufeffbase = 'lock'", "utf16le"), /^error: cannot read the scene `scene\.toml`: encoded as UTF-16; save it as UTF-8$/],
     ["log.csv", "t [s],F [N],v [m/s]\n0,1,0.1\n1,1,0.1\n", /^error: log\.csv: unit missing: the normal force has no unit; give it with `--normal-n`, or/],
   ]) {
@@ -235,12 +235,12 @@ test("a dropped impedance becomes a scene with its fitted circuit; other files n
   }
 }));
 
-test("a dropped time series is drawn over the result, and the changes remain", () => opened({}, async (page) => {
+test("a dropped time series is compared with the result, and the changes remain", () => opened({}, async (page) => {
   await page.until(done);
   const rows = Array.from({ length: 300 }, (_, n) => `${2 * n};${n < 200 ? 40 : 150}`);
   await dropped(page, "cell.csv", ["t [ms];F [mN]", ...rows].join("\n"));
   await page.until(done);
-  assert.match(await text(page, "fit"), /cell\.csv over the scene experiment-1.*note: `F \[mN\]` is drawn over `friction_true_n` of the figure `friction`/s);
+  assert.match(await text(page, "fit"), /cell\.csv and the scene experiment-1.*note: `F \[mN\]` is compared with `friction_true_n`/s);
   assert.match(await page.value("document.getElementById('toml').value"), /^base = "experiment-1"\n\n\[\[overlay\]\]\nname = "cell\.csv: F \[mN\]"/);
   assert.match(await page.value("document.getElementById('shown').textContent"), /cell\.csv: F \[mN\]/);
   await page.picture(join(folder, "pictures", "time-series.png"));

@@ -55,7 +55,8 @@ pub fn page() -> String {
 
 /// Returns the table of the pairs of materials.
 fn pairs() -> String {
-    let mut table = "\n`pair` is one of these. None of the sources states a tangential stiffness.\n".to_owned();
+    let mut table =
+        "\n`pair` is one of these. The parts of the sources that were read state no tangential stiffness.\n".to_owned();
     table += "\n| `pair` | kinetic friction, dry |\n|---|---|\n";
     let pairs = Schema::root().at("contact.pair").map_or_else(Vec::new, Schema::described_choices);
     for (name, meaning) in pairs {

@@ -76,6 +76,11 @@ impl Template<'_> {
         for over in sets.iter().filter_map(|set| parse_set(set, SET).ok()) {
             overlay(&mut root, over, "", &mut problems);
         }
+        // The template already has the values that follow from these keys.
+        let derives = |key: &str| root.at(key).map(|node| &node.place) != self.root.at(key).map(|node| &node.place);
+        if ["contact.pair", "stack.design"].into_iter().any(derives) {
+            return self.loaded.cell(sets).map(|cell| cell.scene);
+        }
         let found = resolve(&mut root, &mut sources);
         match checked_scene(root, found) {
             Ok(scene) if problems.is_empty() => Ok(scene),
@@ -211,9 +216,11 @@ pub fn load(source: &str, sets: &[String]) -> Result<Loaded, LoadError> {
             let io = io::Error::new(io::ErrorKind::InvalidData, why);
             LoadError::Read { path: source.to_owned(), io }
         })?;
-        let is_set = |assumed: &Assumed| sets.iter().any(|set| set.split('=').next().map(str::trim) == Some(&assumed.key));
-        let assumed = assumed.into_iter().filter(|assumed| !is_set(assumed)).collect();
-        return Ok(Loaded { name, repeats, assumed, ..load_text(source, &text, sets)? });
+        let sets_key = |key: &str| sets.iter().any(|set| set.split('=').next().map(str::trim) == Some(key));
+        let is_set = |it: &Assumed| sets_key(&it.key) || it.pair.is_some() && sets_key("contact.pair");
+        let repeated = load_text(source, &text, sets)?;
+        let assumed = assumed.into_iter().filter(|it| !is_set(it)).chain(repeated.assumed).collect();
+        return Ok(Loaded { name, repeats, assumed, ..repeated });
     }
     let name = match builtin::text(source) {
         Some(_) => source.to_owned(),

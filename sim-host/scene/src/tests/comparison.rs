@@ -133,7 +133,7 @@ set = [\"excitation.waveform=square\"]
 }
 
 #[test]
-fn a_reduction_is_matched_only_where_something_slides() {
+fn equal_reduction_needs_a_slider() {
     let comparison = "[comparison]
 title = \"Bursts\"
 metrics = [\"mean_power_w\"]

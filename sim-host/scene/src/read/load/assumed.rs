@@ -7,8 +7,10 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::pair;
 use crate::builtin;
 use crate::diagnostic::Source;
+use crate::keys::contact::Pair;
 use crate::tree::{Entry, Node, Value};
 
 /// Table of a stack, and the only key of it that no electrical measurement determines.
@@ -24,21 +26,22 @@ pub struct Assumed {
     /// Built-in scene that the value is from.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub base: Option<String>,
-    /// Pair of materials that the value is of. Without scene and pair, it is a default of the
-    /// program.
+    /// Pair of materials whose published friction it is, for a range its middle. Without scene and
+    /// pair, the value is a default of the program.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub pair: Option<String>,
+    pub pair: Option<Pair>,
 }
 
 impl Assumed {
     /// Describes the value and its origin.
     pub fn text(&self) -> String {
-        let origin = match (&self.base, &self.pair) {
-            (_, Some(pair)) => format!("of the pair {pair}"),
-            (Some(base), None) => format!("from the scene {base}"),
-            (None, None) => "the default".to_owned(),
+        let (origin, range) = match (&self.base, self.pair.map(|pair| (pair.name(), pair.mu()))) {
+            (_, Some((pair, range))) => (format!("the pair {pair}"), range),
+            (Some(base), None) => (format!("from the scene {base}"), [self.value; 2]),
+            (None, None) => ("the default".to_owned(), [self.value; 2]),
         };
-        format!("{} = {} ({origin})", self.key, self.value)
+        let value = if range[0] < range[1] { format!("{} to {}", range[0], range[1]) } else { self.value.to_string() };
+        format!("{} = {value} ({origin})", self.key)
     }
 
     /// Returns a remark on these values, if there are any.
@@ -94,7 +97,7 @@ fn of_pair(root: &Node) -> Option<Assumed> {
         let mu = entry.node.table()?.get("mu").filter(follows)?;
         Some((model, mu.node.number()?))
     })?;
-    Some(Assumed { key: format!("contact.{model}.mu"), value: mu, base: None, pair: Some(pair.text()?.to_owned()) })
+    Some(Assumed { key: format!("contact.{model}.mu"), value: mu, base: None, pair: Some(pair::from_name(pair.text()?)?.1) })
 }
 
 #[cfg(test)]
