@@ -3,10 +3,10 @@
 //! A column belongs to the curve of its name. If no curve has its name, it belongs to a curve in
 //! the same quantity, provided that no other column has this quantity. Each curve takes one column.
 
-use columns::heading::{Heading, axis_unit, factor};
+use columns::heading::{Heading, axis_unit, factor, is_time_name};
 use columns::{Table, Unit};
 use report::{Figure, Series};
-use scene::figures::axis_units;
+use scene::figures::{MEASURED, axis_units};
 use scene::load::Loaded;
 use scene::schema::unit_of;
 use serde_json::{Value, json};
@@ -64,12 +64,10 @@ impl<'a> Measured<'a> {
 
 /// Returns the column of the time, and the factor to seconds.
 fn time<'a>(columns: &'a [Measured<'a>]) -> Option<(&'a Measured<'a>, f64)> {
-    let seconds = |column: &&'a Measured<'a>| {
-        let is_time = Heading::new(column.heading, |_| false).is_time() || column.name.eq_ignore_ascii_case("time");
-        let unit = column.unit.as_deref().unwrap_or("s");
-        Unit::parse(unit).and_then(|unit| unit.factor_to(&Unit::parse("s")?)).filter(|_| is_time).map(|factor| (*column, factor))
-    };
-    columns.iter().find_map(|column| seconds(&column))
+    columns.iter().filter(|column| is_time_name(column.name)).find_map(|column| {
+        let unit = Unit::parse(column.unit.as_deref().unwrap_or("s"))?;
+        Some((column, unit.factor_to(&Unit::parse("s")?)?))
+    })
 }
 
 /// Returns `true` if a table has a column of the time.
@@ -92,15 +90,7 @@ impl Shown {
         let times_s: Vec<f64> = table.columns[axis.place].values.iter().map(|time| to_s * time).collect();
         let others = || columns.iter().filter(|column| column.place != axis.place);
         let curves = self.curves_at(&times_s);
-        let convertible = |curve: &str| others().filter(|column| column.factor_to(curve).is_some()).count();
-        let mut taken: Vec<(usize, &str)> = Vec::new();
-        for named in [true, false] {
-            for column in others().filter(|column| named || convertible_alone(column, &curves, convertible)) {
-                let fits = |curve: &&str| column.factor_to(curve).is_some() && (!named || column.is_called(curve));
-                let free = |curve: &&str| taken.iter().all(|(place, other)| *place != column.place && other != curve);
-                taken.extend(curves.iter().copied().find(|curve| free(curve) && fits(curve)).map(|curve| (column.place, curve)));
-            }
-        }
+        let taken = assigned(&others().collect::<Vec<_>>(), &curves);
         let (mut tables, mut notes) = (String::new(), Vec::new());
         if axis.unit.is_none() {
             notes.push(format!("assumed: `{}` is in seconds", axis.heading));
@@ -136,6 +126,7 @@ impl Shown {
         let is_time = |figure: &&Figure| axis_units(&figure.x.label).iter().any(|axis| factor(Some("s"), *axis).is_some());
         let over_time = self.figures.iter().filter(|figure| figure.map.is_none()).filter(is_time);
         let curves = over_time.flat_map(|figure| figure.series.iter().map(|series| (self.scale(figure), series)));
+        let curves = curves.filter(|(_, series)| !series.csv_column.starts_with(MEASURED));
         let meets = |scale: f64, series: &Series| {
             let (least, most) = series.x.iter().fold((f64::INFINITY, -f64::INFINITY), |ends, x| (ends.0.min(*x), ends.1.max(*x)));
             times_s.iter().any(|time| (least..=most).contains(&(scale * time)))
@@ -152,9 +143,23 @@ impl Shown {
     }
 }
 
-/// Returns `true` if no other column has the quantity of the first curve that a column converts to.
-fn convertible_alone(column: &Measured, curves: &[&str], number: impl Fn(&str) -> usize) -> bool {
-    curves.iter().find(|curve| column.factor_to(curve).is_some()).is_some_and(|curve| number(curve) == 1)
+/// Returns the curve of each column that has one, with the place of the column.
+fn assigned<'a>(columns: &[&Measured], curves: &[&'a str]) -> Vec<(usize, &'a str)> {
+    let converts = |column: &Measured, curve: &str| column.factor_to(curve).is_some();
+    let is_alone = |column: &Measured| {
+        let first = curves.iter().find(|curve| converts(column, curve));
+        first.is_some_and(|curve| columns.iter().filter(|other| converts(other, curve)).count() == 1)
+    };
+    let mut taken: Vec<(usize, &str)> = Vec::new();
+    for named in [true, false] {
+        for column in columns.iter().filter(|column| named || is_alone(column)) {
+            let fits = |curve: &&str| converts(column, curve) && (!named || column.is_called(curve));
+            let free = |curve: &&str| taken.iter().all(|(place, other)| *place != column.place && other != curve);
+            let curve = curves.iter().copied().find(|curve| free(curve) && fits(curve));
+            taken.extend(curve.map(|curve| (column.place, curve)));
+        }
+    }
+    taken
 }
 
 /// Returns the table of a measured curve. Its times are in seconds.
