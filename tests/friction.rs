@@ -5,12 +5,16 @@ use sim::instruments::measure;
 use sim::metrics::Metrics;
 use sim::run::{Watch, run};
 
-fn experiment(changes: &[&str]) -> Metrics {
-    let short = ["duration_s=0.7", "controller.burst.on_s=[0.4]", "controller.burst.off_s=[0.6]"];
+/// Runs a scene with these changes.
+fn measured(name: &str, short: [&str; 3], changes: &[&str]) -> Metrics {
     let sets: Vec<String> = short.iter().chain(changes).map(|&set| set.to_owned()).collect();
-    let scene = load("experiment-1", &sets).unwrap_or_else(|error| panic!("{error}")).scene;
+    let scene = load(name, &sets).unwrap_or_else(|error| panic!("{error}")).scene;
     let scene = scene.driven().unwrap();
     measure(&scene, &run(&scene, Watch::default()).unwrap())
+}
+
+fn experiment(changes: &[&str]) -> Metrics {
+    measured("experiment-1", ["duration_s=0.7", "controller.burst.on_s=[0.4]", "controller.burst.off_s=[0.6]"], changes)
 }
 
 /// The reference is a separate study of the coupled equations (ideal source of 3 V, no weight
@@ -139,11 +143,7 @@ fn the_load_cell_keeps_the_mean_and_hides_the_edge() {
 
 /// Bursts too short for a settled silence: their reduction refers to the friction before the first.
 fn bursts(changes: &[&str]) -> Metrics {
-    let short = ["duration_s=0.4", "controller.burst.period_s=1e-3", "controller.burst.duty=0.5"];
-    let sets: Vec<String> = short.iter().chain(changes).map(|&set| set.to_owned()).collect();
-    let scene = load("least-power", &sets).unwrap_or_else(|error| panic!("{error}")).scene;
-    let scene = scene.driven().unwrap();
-    measure(&scene, &run(&scene, Watch::default()).unwrap())
+    measured("least-power", ["duration_s=0.4", "controller.burst.period_s=1e-3", "controller.burst.duty=0.5"], changes)
 }
 
 #[test]
