@@ -29,6 +29,8 @@
 //! Valid for a linear vibration that is driven at its resonance. A Coulomb load of a sixth of the
 //! drive changes `u` by 2 % at a headroom of five.
 
+use crate::seam::compare::larger;
+
 /// Longest boost, time constants: the drive alone is at 95 % then.
 const MAX_BOOST_TIME_CONSTANTS: f32 = 3.0;
 /// Largest number of half cycles by which a brake is extended to the odd number of its boost.
@@ -43,6 +45,26 @@ pub(crate) struct OtherMode {
     pub(crate) beat: f32,
     /// Motional capacitance, relative to that of the driven mode.
     pub(crate) strength: f32,
+}
+
+/// Room for the drive of an edge within the current limit. The current of the vibration and that of
+/// the clamped branch are in quadrature: `I^2 = (S R)^2 + (B u)^2`.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct CurrentRoom {
+    /// Square of the largest current, A².
+    pub(crate) most: f32,
+    /// Square of the motional current per volt, S², `S^2`.
+    pub(crate) motional: f32,
+    /// Square of the clamped branch's admittance, S², `B^2`.
+    pub(crate) clamped: f32,
+}
+
+impl CurrentRoom {
+    /// Returns the largest drive, V, during a vibration that a steady drive of `vibration` V would
+    /// hold.
+    pub(crate) fn volts(&self, vibration: f32) -> f32 {
+        libm::sqrtf(larger(self.most - vibration * vibration * self.motional, 0.0) / self.clamped)
+    }
 }
 
 /// Number of half cycles, and the part of the earlier vibration that remains after them.
@@ -72,6 +94,8 @@ pub(crate) struct Strokes {
     pub volts: f32,
     /// Largest drive that the strokes may use, V.
     pub(crate) ceiling: f32,
+    /// Room within the current limit, for a vibration above that of the drive.
+    pub(crate) room: CurrentRoom,
     /// `true` if the boost reaches the level.
     pub(crate) lands: bool,
     per_time_constant: f32,
@@ -95,6 +119,7 @@ pub(crate) struct Planner {
     per_time_constant: f32,
     volts: f32,
     ceiling: f32,
+    room: CurrentRoom,
     /// Half cycles of a beat with another mode that matters, or zero.
     beat: f32,
     /// Half cycles up, once they are known.
@@ -117,13 +142,18 @@ enum Step {
 }
 
 impl Planner {
-    /// Creates a planner for a drive of `volts` under a ceiling, and a time constant of
-    /// `per_time_constant` half cycles. `other_mode` is another mode, if any.
-    pub(crate) fn new(per_time_constant: f32, volts: f32, ceiling: f32, other_mode: Option<OtherMode>) -> Self {
+    /// Creates a planner for a drive of `volts` under a ceiling with this room, and a time constant
+    /// of `per_time_constant` half cycles. `other_mode` is another mode, if any.
+    pub(crate) fn new(
+        per_time_constant: f32,
+        volts: f32,
+        (ceiling, room): (f32, CurrentRoom),
+        other_mode: Option<OtherMode>,
+    ) -> Self {
         // Two steps of `ceiling / volts` times the drive, each with r = strength beat / (2 pi h).
         let least = MAX_OTHER_MODE_REL * core::f32::consts::PI * per_time_constant * volts / ceiling;
         let beat = other_mode.filter(|it| it.strength * it.beat > least).map_or(0.0, |it| it.beat);
-        Planner { per_time_constant, volts, ceiling, beat, ..Planner::default() }
+        Planner { per_time_constant, volts, ceiling, room, beat, ..Planner::default() }
     }
 
     /// Executes one step, and returns the strokes after the last one.
@@ -161,6 +191,7 @@ impl Planner {
                     },
                     volts: self.volts,
                     ceiling: self.ceiling,
+                    room: self.room,
                     lands: self.lands,
                     per_time_constant: h,
                 });
@@ -188,6 +219,9 @@ fn even(n: u32) -> u32 {
 mod tests {
     use super::*;
 
+    /// Without an effective current limit.
+    const ROOMY: CurrentRoom = CurrentRoom { most: f32::MAX, motional: 0.0, clamped: 1.0 };
+
     impl Stroke {
         fn new(half_cycles: u32, per_time_constant: f32) -> Self {
             Stroke { half_cycles, retained: retained(half_cycles, per_time_constant) }
@@ -197,7 +231,7 @@ mod tests {
     impl Strokes {
         /// Executes all steps at once.
         pub(in crate::generate::burst) fn plan(per_time_constant: f32, volts: f32, ceiling: f32) -> Self {
-            let mut planner = Planner::new(per_time_constant, volts, ceiling, None);
+            let mut planner = Planner::new(per_time_constant, volts, (ceiling, ROOMY), None);
             (0..4).find_map(|_| planner.step()).unwrap()
         }
     }
@@ -245,7 +279,7 @@ mod tests {
         let h = 2.0 * 65.0 / core::f32::consts::PI;
         let plain = Strokes::plan(h, 3.0, 15.466);
         for (beat, strength) in [(28.6, 0.3), (40.3, 0.1), (19.0, 0.5)] {
-            let mut planner = Planner::new(h, 3.0, 15.466, Some(OtherMode { beat, strength }));
+            let mut planner = Planner::new(h, 3.0, (15.466, ROOMY), Some(OtherMode { beat, strength }));
             let strokes = (0..4).find_map(|_| planner.step()).unwrap();
             // Vibration of another mode after two steps of this voltage, relative to the drive.
             let left = |stroke: &Stroke| {
@@ -257,10 +291,10 @@ mod tests {
             assert!(left(&strokes.up) < 0.008 && left(&plain.up) > 0.1, "{beat}: {} {}", left(&strokes.up), left(&plain.up));
             assert!(strokes.lands && strokes.up.volts(0.0, 3.0) < 15.466);
         }
-        let mut weak = Planner::new(h, 3.0, 15.466, Some(OtherMode { beat: 28.6, strength: 1e-3 }));
+        let mut weak = Planner::new(h, 3.0, (15.466, ROOMY), Some(OtherMode { beat: 28.6, strength: 1e-3 }));
         assert_eq!((0..4).find_map(|_| weak.step()), Some(plain));
         // A beat of four time constants.
-        let mut near = Planner::new(h, 3.0, 15.466, Some(OtherMode { beat: 4.0 * h, strength: 0.3 }));
+        let mut near = Planner::new(h, 3.0, (15.466, ROOMY), Some(OtherMode { beat: 4.0 * h, strength: 0.3 }));
         assert!(!(0..4).find_map(|_| near.step()).unwrap().lands);
     }
 

@@ -7,8 +7,9 @@
 //! that would hold it, is `R = Re(I_m / S)`.
 
 use crate::controller::chain::{Chain, Measured};
+use crate::generate::amplitude::AmplitudeLoop;
 use crate::generate::burst::Brake;
-use crate::generate::burst::stroke::{OtherMode, Planner};
+use crate::generate::burst::stroke::{CurrentRoom, OtherMode, Planner};
 use crate::generate::signal_generator::SignalGenerator;
 use crate::seam::block::{Gate, LATENCY_BLOCKS, Orders};
 use crate::seam::compare::{larger, smaller};
@@ -205,16 +206,14 @@ impl Edges {
         let SignalGenerator { burst, amplitude, samples, .. } = &mut chain.generator;
         burst.set_rate(rate / self.sample_hz, *samples);
         let volts = self.braked_volts;
-        let most = MAX_CURRENT_REL * amplitude.most_amperes();
-        let (motional, clamped) = (1.0 / per_ampere.norm_sqr(), chain.track.tracker.branch().y0.norm_sqr());
-        let boosted = libm::sqrtf(larger(most * most - volts * volts * motional, 0.0) / clamped);
-        let driven = smaller(volts, most / libm::sqrtf(motional + clamped));
-        let ceiling = smaller(larger(boosted, driven), amplitude.most_volts());
+        let room = current_room(amplitude, 1.0 / per_ampere.norm_sqr(), chain.track.tracker.branch().y0);
+        let driven = smaller(volts, libm::sqrtf(room.most / (room.motional + room.clamped)));
+        let ceiling = smaller(larger(room.volts(volts), driven), amplitude.most_volts());
         let half_cycles = 2.0 * resonance_hz / rate;
         let other_mode = chain.track.other_mode;
         let other_mode =
             other_mode.map(|(hz, strength)| OtherMode { beat: 2.0 * resonance_hz / (hz - resonance_hz).abs(), strength });
-        self.stage = Stage::Strokes(Planner::new(half_cycles, volts, ceiling, other_mode));
+        self.stage = Stage::Strokes(Planner::new(half_cycles, volts, (ceiling, room), other_mode));
     }
 
     /// Prepares the brake for the residual vibration. A changed drive needs a new brake, because
@@ -229,8 +228,18 @@ impl Edges {
         } else if !burst.brakes(gate) || volts == 0.0 {
             burst.set_brake(None);
         } else if burst.brake().is_none() || (volts - self.braked_volts).abs() > REPLAN_REL * volts {
-            burst.set_brake(Some(Brake::of(chain.track.periods(), amplitude.headroom())));
+            let resistance = chain.track.latest_transducer().map_or(f32::INFINITY, |transducer| transducer.rm_ohm);
+            let room = current_room(amplitude, 1.0 / (resistance * resistance), chain.track.tracker.branch().y0);
+            let headroom = smaller(amplitude.headroom(), room.volts(volts) / volts);
+            burst.set_brake(Some(Brake::of(chain.track.periods(), headroom)));
             self.braked_volts = volts;
         }
     }
+}
+
+/// Returns the room within the current limit, from the squared motional current per volt, S², and
+/// the admittance of the clamped branch, S.
+fn current_room(amplitude: &AmplitudeLoop, motional: f32, clamped: Phasor) -> CurrentRoom {
+    let most = MAX_CURRENT_REL * amplitude.most_amperes();
+    CurrentRoom { most: most * most, motional, clamped: clamped.norm_sqr() }
 }
