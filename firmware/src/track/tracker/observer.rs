@@ -28,17 +28,21 @@
 //!   changes within a block, plus the error of the model.
 //! * An innovation above five standard deviations means that the load has jumped. The **gate**
 //!   opens: frequency and damping become uncertain again, and the rate is reset.
+//! * A step of the drive also excites resonances that the observer does not know, which count as
+//!   noise ([`ringing`]).
 //! * A second integrator follows a steadily moving resonance, after the frequency has settled.
 //! * Without drive the ring-down is measured as long as it lasts; then only the deviation grows.
 //!
 //! The same equation gives detuning and half bandwidth of superconducting cavities.
 
 mod readings;
+mod ringing;
 
 use crate::generate::shape::sine;
 use crate::seam::compare::{larger, smaller};
 use crate::seam::phasor::Phasor;
 pub use crate::track::tracker::observer::readings::Spread;
+use crate::track::tracker::observer::ringing::Ringing;
 pub use crate::track::tracker::prior::Prior;
 
 const TAU: f32 = core::f32::consts::TAU;
@@ -124,6 +128,7 @@ pub struct Observer {
     covariance: Covariance,
     voltage: Phasor,
     played: Played,
+    ringing: Ringing,
     /// Blocks since a start or since the gate opened.
     calm: u32,
 }
@@ -164,6 +169,7 @@ impl Observer {
             covariance: Covariance::default(),
             voltage: Phasor::new(0.0, 0.0),
             played: Played { offset_hz: 0.0, steady_v: None },
+            ringing: Ringing::default(),
             calm: 0,
         }
     }
@@ -185,6 +191,7 @@ impl Observer {
         self.covariance =
             Covariance { pole: spread * spread, strength: spread_of_strength * spread_of_strength, ..Covariance::default() };
         self.played = Played { offset_hz, steady_v: None };
+        self.ringing = Ringing::default();
         self.calm = 0;
     }
 
@@ -193,13 +200,17 @@ impl Observer {
     #[inline]
     pub fn follow(&mut self, current: Phasor, voltage: Phasor, played: Played) {
         let before = core::mem::replace(&mut self.played, played);
-        let mean_v = (core::mem::replace(&mut self.voltage, voltage) + voltage) * 0.5;
+        let before_v = core::mem::replace(&mut self.voltage, voltage);
+        let mean_v = (before_v + voltage) * 0.5;
         let same = |(now, then): (f32, f32)| (now - then).abs() <= STEADY_VOLTAGE_REL * larger(now, then);
         self.calm = self.calm.saturating_add(1);
         let silent = played.steady_v == Some(0.0) && current.norm_sqr() < SILENT_SIGMAS * SILENT_SIGMAS * self.noise;
         if silent || !played.steady_v.zip(before.steady_v).is_some_and(same) {
             // In silence the phase is only noise; at an edge the block before does not predict this
             // one.
+            if !silent {
+                self.ringing.step((voltage - before_v).norm_sqr());
+            }
             let grows = (self.nominal_strength * voltage).norm_sqr();
             return self.jump(current, self.noise + LEAK_REL * LEAK_REL * grows);
         }
@@ -232,8 +243,10 @@ impl Observer {
 
         let moved = (current - self.current).norm_sqr();
         let noise = self.noise + LEAK_REL * LEAK_REL * moved + MODEL_ERROR_REL * MODEL_ERROR_REL * current.norm_sqr();
-        let total = variance + noise;
         let innovation = current - expected;
+        self.ringing.take(innovation.norm_sqr(), variance + noise, a.norm_sqr());
+        let noise = noise + self.ringing.variance();
+        let total = variance + noise;
         if self.exceeds_gate(innovation, total) {
             return self.open(current, noise);
         }
