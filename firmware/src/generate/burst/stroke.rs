@@ -62,6 +62,9 @@ pub(crate) struct CurrentRoom {
 impl CurrentRoom {
     /// Returns the largest drive, V, during a vibration that a steady drive of `vibration` V would
     /// hold.
+    // Not inlined: the fast memory of a board has no room for it.
+    #[cold]
+    #[inline(never)]
     pub(crate) fn volts(&self, vibration: f32) -> f32 {
         libm::sqrtf(larger(self.most - vibration * vibration * self.motional, 0.0) / self.clamped)
     }

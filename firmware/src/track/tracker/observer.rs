@@ -244,8 +244,9 @@ impl Observer {
         let moved = (current - self.current).norm_sqr();
         let noise = self.noise + LEAK_REL * LEAK_REL * moved + MODEL_ERROR_REL * MODEL_ERROR_REL * current.norm_sqr();
         let innovation = current - expected;
-        self.ringing.take(innovation.norm_sqr(), variance + noise, a.norm_sqr());
-        let noise = noise + self.ringing.variance();
+        let ringing =
+            if self.ringing.listens() { self.ringing.take(innovation.norm_sqr(), variance + noise, a.norm_sqr()) } else { 0.0 };
+        let noise = noise + ringing;
         let total = variance + noise;
         if self.exceeds_gate(innovation, total) {
             return self.open(current, noise);

@@ -228,13 +228,22 @@ impl Edges {
         } else if !burst.brakes(gate) || volts == 0.0 {
             burst.set_brake(None);
         } else if burst.brake().is_none() || (volts - self.braked_volts).abs() > REPLAN_REL * volts {
-            let resistance = chain.track.latest_transducer().map_or(f32::INFINITY, |transducer| transducer.rm_ohm);
-            let room = current_room(amplitude, 1.0 / (resistance * resistance), chain.track.tracker.branch().y0);
-            let headroom = smaller(amplitude.headroom(), room.volts(volts) / volts);
-            burst.set_brake(Some(Brake::of(chain.track.periods(), headroom)));
+            chain.generator.burst.set_brake(Some(plan_brake(chain, volts)));
             self.braked_volts = volts;
         }
     }
+}
+
+/// Returns the shortest brake after a complete ring-up to this drive, V, within the limits of
+/// voltage and current.
+// Not inlined: the fast memory of a board has no room for it.
+#[cold]
+#[inline(never)]
+fn plan_brake(chain: &Chain, volts: f32) -> Brake {
+    let (amplitude, track) = (&chain.generator.amplitude, &chain.track);
+    let resistance = track.latest_transducer().map_or(f32::INFINITY, |transducer| transducer.rm_ohm);
+    let room = current_room(amplitude, 1.0 / (resistance * resistance), track.tracker.branch().y0);
+    Brake::of(track.periods(), smaller(amplitude.headroom(), room.volts(volts) / volts))
 }
 
 /// Returns the room within the current limit, from the squared motional current per volt, S², and

@@ -39,9 +39,11 @@ pub(super) struct Ringing {
 }
 
 impl Ringing {
-    /// Returns the variance of the disturbance in the present block, A².
-    pub(super) fn variance(&self) -> f32 {
-        self.variance
+    /// Returns `true` if the next innovation matters: it is one of the first after a step, or there
+    /// is a disturbance.
+    #[inline]
+    pub(super) fn listens(&self) -> bool {
+        self.blocks < WINDOW_BLOCKS || self.variance > 0.0
     }
 
     /// Takes the square of a step of the drive, V².
@@ -55,9 +57,10 @@ impl Ringing {
     }
 
     /// Takes the square of an innovation and its expected value without the disturbance, A², which
-    /// decays by `retained` a block.
-    #[inline]
-    pub(super) fn take(&mut self, innovation: f32, expected: f32, retained: f32) {
+    /// decays by `retained` a block. Returns the variance of the disturbance, A².
+    // Not inlined: the fast memory of a board has no room for it.
+    #[inline(never)]
+    pub(super) fn take(&mut self, innovation: f32, expected: f32, retained: f32) -> f32 {
         if self.variance > 0.0 {
             self.variance *= retained;
             if self.variance > expected {
@@ -71,6 +74,7 @@ impl Ringing {
             self.innovations += innovation;
             self.expected += expected;
         }
+        self.variance
     }
 
     /// Learns from the blocks since the last step, if the disturbance was visible or should have
