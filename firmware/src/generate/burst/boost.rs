@@ -8,7 +8,7 @@
 //! for the vibration is followed by another.
 
 use super::ring::Ring;
-use super::stroke::{Stroke, Strokes};
+use super::stroke::{CurrentRoom, Stroke, Strokes};
 use super::zero_crossing::ends_falling;
 use super::{Burst, State};
 use crate::generate::nco::Stretch;
@@ -28,6 +28,8 @@ const MIN_TRACKED_HALF_CYCLES: u32 = 64;
 pub(super) struct Boost {
     pub(super) ring: Ring,
     strokes: Option<Strokes>,
+    /// Room within the current limit, for a vibration above that of the drive.
+    room: CurrentRoom,
     /// Drive at an envelope of one, V.
     volts: f32,
     /// Drive of the stroke under way, V.
@@ -122,7 +124,7 @@ impl Boost {
         let needed = stroke.volts(from, to);
         // The vibration is above that of the drive if the amplitude has just been reduced.
         let high = from.abs() > (1.0 + MAX_DRIVE_CHANGE_REL) * strokes.volts;
-        let ceiling = if high { smaller(strokes.ceiling, strokes.room.volts(from)) } else { strokes.ceiling };
+        let ceiling = if high { smaller(strokes.ceiling, self.room.volts(from)) } else { strokes.ceiling };
         self.weak = needed.abs() > (1.0 + MAX_EXCESS_REL) * ceiling;
         self.limited = !strokes.lands || self.weak;
         self.stroke_volts = within(needed, -ceiling, ceiling);
@@ -206,10 +208,12 @@ impl Burst {
         }
     }
 
-    /// Sets the decay rate of the vibration, 1/sample, for blocks of this number of samples.
-    pub(crate) fn set_rate(&mut self, per_sample: f32, samples: usize) {
+    /// Sets the decay rate of the vibration, 1/sample, for blocks of this number of samples, and the
+    /// room for the drive of an edge.
+    pub(crate) fn set_rate(&mut self, per_sample: f32, samples: usize, room: CurrentRoom) {
         if let Some(boost) = &mut self.boost {
             boost.ring.set_rate(per_sample, samples);
+            boost.room = room;
         }
     }
 

@@ -97,8 +97,6 @@ pub(crate) struct Strokes {
     pub volts: f32,
     /// Largest drive that the strokes may use, V.
     pub(crate) ceiling: f32,
-    /// Room within the current limit, for a vibration above that of the drive.
-    pub(crate) room: CurrentRoom,
     /// `true` if the boost reaches the level.
     pub(crate) lands: bool,
     per_time_constant: f32,
@@ -122,7 +120,6 @@ pub(crate) struct Planner {
     per_time_constant: f32,
     volts: f32,
     ceiling: f32,
-    room: CurrentRoom,
     /// Half cycles of a beat with another mode that matters, or zero.
     beat: f32,
     /// Half cycles up, once they are known.
@@ -145,18 +142,13 @@ enum Step {
 }
 
 impl Planner {
-    /// Creates a planner for a drive of `volts` under a ceiling with this room, and a time constant
-    /// of `per_time_constant` half cycles. `other_mode` is another mode, if any.
-    pub(crate) fn new(
-        per_time_constant: f32,
-        volts: f32,
-        (ceiling, room): (f32, CurrentRoom),
-        other_mode: Option<OtherMode>,
-    ) -> Self {
+    /// Creates a planner for a drive of `volts` under a ceiling, and a time constant of
+    /// `per_time_constant` half cycles. `other_mode` is another mode, if any.
+    pub(crate) fn new(per_time_constant: f32, volts: f32, ceiling: f32, other_mode: Option<OtherMode>) -> Self {
         // Two steps of `ceiling / volts` times the drive, each with r = strength beat / (2 pi h).
         let least = MAX_OTHER_MODE_REL * core::f32::consts::PI * per_time_constant * volts / ceiling;
         let beat = other_mode.filter(|it| it.strength * it.beat > least).map_or(0.0, |it| it.beat);
-        Planner { per_time_constant, volts, ceiling, room, beat, ..Planner::default() }
+        Planner { per_time_constant, volts, ceiling, beat, ..Planner::default() }
     }
 
     /// Executes one step, and returns the strokes after the last one.
@@ -194,7 +186,6 @@ impl Planner {
                     },
                     volts: self.volts,
                     ceiling: self.ceiling,
-                    room: self.room,
                     lands: self.lands,
                     per_time_constant: h,
                 });
@@ -222,9 +213,6 @@ fn even(n: u32) -> u32 {
 mod tests {
     use super::*;
 
-    /// Without an effective current limit.
-    const ROOMY: CurrentRoom = CurrentRoom { most: f32::MAX, motional: 0.0, clamped: 1.0 };
-
     impl Stroke {
         fn new(half_cycles: u32, per_time_constant: f32) -> Self {
             Stroke { half_cycles, retained: retained(half_cycles, per_time_constant) }
@@ -234,7 +222,7 @@ mod tests {
     impl Strokes {
         /// Executes all steps at once.
         pub(in crate::generate::burst) fn plan(per_time_constant: f32, volts: f32, ceiling: f32) -> Self {
-            let mut planner = Planner::new(per_time_constant, volts, (ceiling, ROOMY), None);
+            let mut planner = Planner::new(per_time_constant, volts, ceiling, None);
             (0..4).find_map(|_| planner.step()).unwrap()
         }
     }
@@ -282,7 +270,7 @@ mod tests {
         let h = 2.0 * 65.0 / core::f32::consts::PI;
         let plain = Strokes::plan(h, 3.0, 15.466);
         for (beat, strength) in [(28.6, 0.3), (40.3, 0.1), (19.0, 0.5)] {
-            let mut planner = Planner::new(h, 3.0, (15.466, ROOMY), Some(OtherMode { beat, strength }));
+            let mut planner = Planner::new(h, 3.0, 15.466, Some(OtherMode { beat, strength }));
             let strokes = (0..4).find_map(|_| planner.step()).unwrap();
             // Vibration of another mode after two steps of this voltage, relative to the drive.
             let left = |stroke: &Stroke| {
@@ -294,10 +282,10 @@ mod tests {
             assert!(left(&strokes.up) < 0.008 && left(&plain.up) > 0.1, "{beat}: {} {}", left(&strokes.up), left(&plain.up));
             assert!(strokes.lands && strokes.up.volts(0.0, 3.0) < 15.466);
         }
-        let mut weak = Planner::new(h, 3.0, (15.466, ROOMY), Some(OtherMode { beat: 28.6, strength: 1e-3 }));
+        let mut weak = Planner::new(h, 3.0, 15.466, Some(OtherMode { beat: 28.6, strength: 1e-3 }));
         assert_eq!((0..4).find_map(|_| weak.step()), Some(plain));
         // A beat of four time constants.
-        let mut near = Planner::new(h, 3.0, (15.466, ROOMY), Some(OtherMode { beat: 4.0 * h, strength: 0.3 }));
+        let mut near = Planner::new(h, 3.0, 15.466, Some(OtherMode { beat: 4.0 * h, strength: 0.3 }));
         assert!(!(0..4).find_map(|_| near.step()).unwrap().lands);
     }
 

@@ -208,11 +208,7 @@ impl Observer {
         if silent || !played.steady_v.zip(before.steady_v).is_some_and(same) {
             // In silence the phase is only noise; at an edge the block before does not predict this
             // one.
-            if !silent {
-                self.ringing.step((voltage - before_v).norm_sqr());
-            }
-            let grows = (self.nominal_strength * voltage).norm_sqr();
-            return self.jump(current, self.noise + LEAK_REL * LEAK_REL * grows);
+            return self.begin(current, before_v, silent);
         }
 
         // Predicted current.
@@ -296,6 +292,17 @@ impl Observer {
         let x = 0.5 * self.pole.re;
         let size = 1.0 + x * (1.0 + x * (0.5 + x * (1.0 / 6.0 + x * (1.0 / 24.0 + x * (1.0 / 120.0)))));
         sine::rotation(u64::from(steps as i32 as u32) << 32) * size
+    }
+
+    /// Begins with a measured current after a step from this voltage, or in silence.
+    // Not inlined: the fast memory of a board has no room for it.
+    #[inline(never)]
+    fn begin(&mut self, current: Phasor, before_v: Phasor, silent: bool) {
+        if !silent {
+            self.ringing.step((self.voltage - before_v).norm_sqr());
+        }
+        let grows = (self.nominal_strength * self.voltage).norm_sqr();
+        self.jump(current, self.noise + LEAK_REL * LEAK_REL * grows);
     }
 
     /// Restarts from a measured current, without a prediction. The pole is kept.

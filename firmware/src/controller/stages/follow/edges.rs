@@ -204,16 +204,16 @@ impl Edges {
         let resonance_hz = chain.track.latest_transducer().map(|transducer| transducer.series_resonance_hz);
         let (Some(resonance_hz), Some(per_ampere)) = (resonance_hz, self.per_ampere) else { return };
         let SignalGenerator { burst, amplitude, samples, .. } = &mut chain.generator;
-        burst.set_rate(rate / self.sample_hz, *samples);
         let volts = self.braked_volts;
         let room = current_room(amplitude, 1.0 / per_ampere.norm_sqr(), chain.track.tracker.branch().y0);
+        burst.set_rate(rate / self.sample_hz, *samples, room);
         let driven = smaller(volts, libm::sqrtf(room.most / (room.motional + room.clamped)));
         let ceiling = smaller(larger(room.volts(volts), driven), amplitude.most_volts());
         let half_cycles = 2.0 * resonance_hz / rate;
         let other_mode = chain.track.other_mode;
         let other_mode =
             other_mode.map(|(hz, strength)| OtherMode { beat: 2.0 * resonance_hz / (hz - resonance_hz).abs(), strength });
-        self.stage = Stage::Strokes(Planner::new(half_cycles, volts, (ceiling, room), other_mode));
+        self.stage = Stage::Strokes(Planner::new(half_cycles, volts, ceiling, other_mode));
     }
 
     /// Prepares the brake for the residual vibration. A changed drive needs a new brake, because

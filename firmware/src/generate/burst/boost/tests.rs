@@ -8,6 +8,8 @@ use crate::seam::config::{Burst as Config, Edge};
 const HZ: f64 = 40_404.0;
 const VOLTS: f32 = 3.0;
 const BLOCK: usize = 32;
+/// Without an effective current limit.
+const ROOMY: CurrentRoom = CurrentRoom { most: f32::MAX, motional: 0.0, clamped: 1.0 };
 
 /// Resonance: displacement and velocity rotate at its own frequency, and the velocity is driven and
 /// damped by half at both ends of a sample. The amplitude is one under a steady drive of one volt.
@@ -52,7 +54,7 @@ impl Bench {
         let plant = Plant::new(q);
         let per_time_constant = (2.0 * q / core::f64::consts::PI) as f32;
         burst.set_strokes(Some(Strokes::plan(per_time_constant, VOLTS, ceiling)));
-        burst.set_rate(plant.alpha as f32, BLOCK);
+        burst.set_rate(plant.alpha as f32, BLOCK, ROOMY);
         burst.set_drive(VOLTS);
         burst.update(0.0);
         Bench { burst, plant, volts: VOLTS, block: 0, played: std::vec::Vec::new() }
@@ -163,9 +165,8 @@ fn a_brake_during_a_higher_vibration_keeps_the_current_limit() {
         // The vibration of 3 V takes 1 A, and so does the clamped branch at 10 V.
         let room = CurrentRoom { most: most * most, motional: 1.0 / 9.0, clamped: 0.01 };
         bench.volts = 1.0;
-        let mut strokes = Strokes::plan((2.0 * q / core::f64::consts::PI) as f32, 1.0, room.volts(1.0));
-        strokes.room = room;
-        bench.burst.set_strokes(Some(strokes));
+        bench.burst.set_strokes(Some(Strokes::plan((2.0 * q / core::f64::consts::PI) as f32, 1.0, room.volts(1.0))));
+        bench.burst.set_rate(bench.plant.alpha as f32, BLOCK, room);
         bench.burst.set_drive(1.0);
         bench.played.clear();
         bench.blocks(Gate::On, 2).blocks(Gate::Off, 400);

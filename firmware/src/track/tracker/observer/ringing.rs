@@ -27,8 +27,8 @@ pub(super) struct Ringing {
     variance: f32,
     /// Variance after a step, relative to its square, S².
     per_square: f32,
-    /// Sums that it is the ratio of, A² and V².
-    learned: (f32, f32),
+    /// Sum of squares of steps that this was learned from, V².
+    squares: f32,
     /// Square of the last step, V².
     square: f32,
     /// Since that step: number of blocks, and sums of the squares of innovations, A², and of their
@@ -83,9 +83,10 @@ impl Ringing {
         let excited = self.square * self.blocks;
         let visible = larger(self.innovations, self.per_square * excited) > VISIBLE * self.expected;
         if visible && self.blocks >= MIN_BLOCKS {
-            let (excess, squares) = self.learned;
-            self.learned = (MEMORY * excess + larger(self.innovations - self.expected, 0.0), MEMORY * squares + excited);
-            self.per_square = self.learned.0 / self.learned.1;
+            let earlier = MEMORY * self.squares;
+            self.squares = earlier + excited;
+            let excess = self.per_square * earlier + larger(self.innovations - self.expected, 0.0);
+            self.per_square = excess / self.squares;
         }
     }
 }
