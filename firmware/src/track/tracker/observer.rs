@@ -240,11 +240,10 @@ impl Observer {
         let moved = (current - self.current).norm_sqr();
         let noise = self.noise + LEAK_REL * LEAK_REL * moved + MODEL_ERROR_REL * MODEL_ERROR_REL * current.norm_sqr();
         let innovation = current - expected;
-        let ringing =
-            if self.ringing.listens() { self.ringing.take(innovation.norm_sqr(), variance + noise, a.norm_sqr()) } else { 0.0 };
-        let noise = noise + ringing;
+        let noise = noise + self.ringing.variance();
         let total = variance + noise;
         if self.exceeds_gate(innovation, total) {
+            self.ringing.take(innovation, total, a);
             return self.open(current, noise);
         }
 
@@ -282,6 +281,9 @@ impl Observer {
         if !inside {
             self.pole.im = within(self.pole.im, -self.window, self.window);
             self.rate = 0.0;
+        }
+        if self.ringing.listens() {
+            self.ringing.take(innovation, total, a);
         }
     }
 

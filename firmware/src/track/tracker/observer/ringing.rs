@@ -7,14 +7,17 @@
 //! the innovations until it is no longer visible. A transducer with a single resonance has none.
 
 use crate::seam::compare::{larger, smaller};
+use crate::seam::phasor::Phasor;
 
 /// Number of blocks after a step that are evaluated.
-const WINDOW_BLOCKS: f32 = 64.0;
+const WINDOW_BLOCKS: u16 = 64;
 /// Smallest number of blocks that are evaluated.
-const MIN_BLOCKS: f32 = 8.0;
+const MIN_BLOCKS: u16 = 8;
 /// Ratio of the squares of innovations, or of the disturbance, to what is expected without it, from
 /// which it is visible.
 const VISIBLE: f32 = 4.0;
+/// Part of the expected square below which a disturbance is over.
+const OVER: f32 = 1e-3;
 /// Weight of earlier steps against the last one.
 const MEMORY: f32 = 0.5;
 /// Part of the difference from the innovations that the variance follows in a block.
@@ -33,17 +36,25 @@ pub(super) struct Ringing {
     square: f32,
     /// Since that step: number of blocks, and sums of the squares of innovations, A², and of their
     /// expected values without the disturbance, A².
-    blocks: f32,
+    blocks: u16,
     innovations: f32,
     expected: f32,
+    /// `true` if the next innovation matters.
+    listens: bool,
 }
 
 impl Ringing {
+    /// Returns the variance of the disturbance in the next block, A².
+    #[inline]
+    pub(super) fn variance(&self) -> f32 {
+        self.variance
+    }
+
     /// Returns `true` if the next innovation matters: it is one of the first after a step, or there
     /// is a disturbance.
     #[inline]
     pub(super) fn listens(&self) -> bool {
-        self.blocks < WINDOW_BLOCKS || self.variance > 0.0
+        self.listens
     }
 
     /// Takes the square of a step of the drive, V².
@@ -52,35 +63,37 @@ impl Ringing {
         self.evaluate();
         // An edge takes several steps.
         self.square = if self.blocks < MIN_BLOCKS { self.square + square } else { square };
-        (self.blocks, self.innovations, self.expected) = (0.0, 0.0, 0.0);
+        (self.blocks, self.innovations, self.expected, self.listens) = (0, 0.0, 0.0, true);
         self.variance += self.per_square * square;
     }
 
-    /// Takes the square of an innovation and its expected value without the disturbance, A², which
-    /// decays by `retained` a block. Returns the variance of the disturbance, A².
+    /// Takes an innovation, A, the expected value of its square, A², and the factor of the current
+    /// a block.
     // Not inlined: the fast memory of a board has no room for it.
     #[inline(never)]
-    pub(super) fn take(&mut self, innovation: f32, expected: f32, retained: f32) -> f32 {
-        if self.variance > 0.0 {
-            self.variance *= retained;
-            if self.variance > expected {
-                // A jump of the load, which opens the gate, hardly counts.
-                let seen = smaller(innovation, VISIBLE * self.variance);
-                self.variance += FOLLOWED * (seen - expected - self.variance);
-            }
+    pub(super) fn take(&mut self, innovation: Phasor, expected: f32, decay: Phasor) {
+        let (innovation, expected) = (innovation.norm_sqr(), expected - self.variance);
+        self.variance *= decay.norm_sqr();
+        if self.variance > expected {
+            // A jump of the load, which opens the gate, hardly counts.
+            let seen = smaller(innovation, VISIBLE * self.variance);
+            self.variance += FOLLOWED * (seen - expected - self.variance);
+        } else if self.variance < OVER * expected {
+            self.variance = 0.0;
         }
         if self.blocks < WINDOW_BLOCKS {
-            self.blocks += 1.0;
+            self.blocks += 1;
             self.innovations += innovation;
             self.expected += expected;
+        } else {
+            self.listens = self.variance > 0.0;
         }
-        self.variance
     }
 
     /// Learns from the blocks since the last step, if the disturbance was visible or should have
     /// been.
     fn evaluate(&mut self) {
-        let excited = self.square * self.blocks;
+        let excited = self.square * f32::from(self.blocks);
         let visible = larger(self.innovations, self.per_square * excited) > VISIBLE * self.expected;
         if visible && self.blocks >= MIN_BLOCKS {
             let earlier = MEMORY * self.squares;
