@@ -191,8 +191,12 @@ impl Observer {
         self.covariance =
             Covariance { pole: spread * spread, strength: spread_of_strength * spread_of_strength, ..Covariance::default() };
         self.played = Played { offset_hz, steady_v: None };
-        self.ringing = Ringing::default();
         self.calm = 0;
+    }
+
+    /// Discards what was learned from the steps of another transducer.
+    pub(crate) fn restart(&mut self) {
+        self.ringing = Ringing::default();
     }
 
     /// Updates the filter with one block: motional current and voltage, both peak and relative to
