@@ -208,8 +208,8 @@ impl Burst {
         }
     }
 
-    /// Sets the decay rate of the vibration, 1/sample, for blocks of this number of samples, and the
-    /// room for the drive of an edge.
+    /// Sets the decay rate of the vibration, 1/sample, for blocks of this number of samples, and
+    /// the room for the drive of an edge.
     pub(crate) fn set_rate(&mut self, per_sample: f32, samples: usize, room: CurrentRoom) {
         if let Some(boost) = &mut self.boost {
             boost.ring.set_rate(per_sample, samples);

@@ -29,7 +29,7 @@
 //! * An innovation above five standard deviations means that the load has jumped. The **gate**
 //!   opens: frequency and damping become uncertain again, and the rate is reset.
 //! * A step of the drive also excites resonances that the observer does not know, which count as
-//!   noise ([`ringing`]).
+//!   noise (`ringing`).
 //! * A second integrator follows a steadily moving resonance, after the frequency has settled.
 //! * Without drive the ring-down is measured as long as it lasts; then only the deviation grows.
 //!
@@ -194,7 +194,7 @@ impl Observer {
         self.calm = 0;
     }
 
-    /// Discards what was learned from the steps of another transducer.
+    /// Discards the ringing of another transducer.
     pub(crate) fn restart(&mut self) {
         self.ringing = Ringing::default();
     }
@@ -304,8 +304,10 @@ impl Observer {
     // Not inlined: the fast memory of a board has no room for it.
     #[inline(never)]
     fn begin(&mut self, current: Phasor, before_v: Phasor, silent: bool) {
-        if !silent {
-            self.ringing.step((self.voltage - before_v).norm_sqr());
+        let step = (self.voltage - before_v).norm_sqr();
+        // Less is noise.
+        if !silent && step > STEADY_VOLTAGE_REL * STEADY_VOLTAGE_REL * larger(self.voltage.norm_sqr(), before_v.norm_sqr()) {
+            self.ringing.step(step);
         }
         let grows = (self.nominal_strength * self.voltage).norm_sqr();
         self.jump(current, self.noise + LEAK_REL * LEAK_REL * grows);

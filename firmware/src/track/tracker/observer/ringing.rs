@@ -13,8 +13,8 @@ use crate::seam::phasor::Phasor;
 const WINDOW_BLOCKS: u16 = 64;
 /// Smallest number of blocks that are evaluated.
 const MIN_BLOCKS: u16 = 8;
-/// Ratio of the squares of innovations, or of the disturbance, to what is expected without it, from
-/// which it is visible.
+/// A disturbance is visible if it, or the square of the innovations, exceeds the expected square by
+/// this factor.
 const VISIBLE: f32 = 4.0;
 /// Part of the expected square below which a disturbance is over.
 const OVER: f32 = 1e-3;
@@ -30,7 +30,7 @@ pub(super) struct Ringing {
     variance: f32,
     /// Variance after a step, relative to its square, S².
     per_square: f32,
-    /// Sum of squares of steps that this was learned from, V².
+    /// Fading sum of the squares of steps times blocks that this was learned from, V².
     squares: f32,
     /// Square of the last step, V².
     square: f32,
@@ -67,13 +67,13 @@ impl Ringing {
         self.variance += self.per_square * square;
     }
 
-    /// Takes an innovation, A, the expected value of its square, A², and the factor of the current
-    /// a block.
+    /// Takes an innovation, A, the expected value of its square, A², and the factor by which the
+    /// free current changes in a block.
     // Not inlined: the fast memory of a board has no room for it.
     #[inline(never)]
     pub(super) fn take(&mut self, innovation: Phasor, expected: f32, decay: Phasor) {
         let (innovation, expected) = (innovation.norm_sqr(), expected - self.variance);
-        self.variance *= decay.norm_sqr();
+        self.variance *= smaller(decay.norm_sqr(), 1.0);
         if self.variance > expected {
             // A jump of the load, which opens the gate, hardly counts.
             let seen = smaller(innovation, VISIBLE * self.variance);
@@ -95,7 +95,7 @@ impl Ringing {
     fn evaluate(&mut self) {
         let excited = self.square * f32::from(self.blocks);
         let visible = larger(self.innovations, self.per_square * excited) > VISIBLE * self.expected;
-        if visible && self.blocks >= MIN_BLOCKS {
+        if visible && self.blocks >= MIN_BLOCKS && excited > 0.0 {
             let earlier = MEMORY * self.squares;
             self.squares = earlier + excited;
             let excess = self.per_square * earlier + larger(self.innovations - self.expected, 0.0);

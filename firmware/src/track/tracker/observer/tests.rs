@@ -346,7 +346,7 @@ fn ringing_of_another_resonance_is_learned() {
             assert!(step <= 10 || near.opened == opened, "{apart_hz} {step}");
         }
         let rms = (errors.iter().map(|error| error * error).sum::<f64>() / errors.len() as f64).sqrt();
-        // Measured: 1.03 and 1.35 Hz, of a bandwidth of 67 Hz. Unless it is learned, the gate opens.
+        // Measured: 1.0 and 1.4 Hz, of a bandwidth of 67 Hz. Without learning the gate opens.
         assert!(rms < 1.5, "{apart_hz} Hz, Q {q}: {rms} Hz");
     }
 }
