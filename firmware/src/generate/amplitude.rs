@@ -13,7 +13,7 @@ use crate::generate::fold_back::FoldBack;
 use crate::generate::phasing;
 use crate::seam::block::Amplitude;
 use crate::seam::compare::{larger, smaller, up_to};
-use crate::seam::config::{Config, Drive, Limits};
+use crate::seam::config::{Config, Drive};
 use crate::seam::error::Error;
 use crate::seam::fault::Limit;
 use crate::seam::phasor::{Phasor, magnitude};
@@ -37,8 +37,8 @@ const SETTLED_BLOCKS: u32 = 32;
 /// plays as silence.
 #[derive(Clone, Debug)]
 pub(crate) struct AmplitudeLoop {
-    /// Limits; the lane with the largest gain determines the voltage limit.
-    limits: Limits,
+    /// Voltage limit of the lane with the largest gain, V.
+    most_volts: f32,
     /// Voltage limit at a gain of one, V.
     voltage_limit: f32,
     /// Smallest drive, V; less is silence.
@@ -77,15 +77,14 @@ impl AmplitudeLoop {
     pub(crate) fn build(config: &Config, block_s: f32) -> Result<Self, Error> {
         let converter_v = DriveScale::build(&config.front_end)?.range_v();
         let voltage_v = most_volts(config)?;
-        let limits = Limits { voltage_v, ..config.limits.clone() };
         // Without a lower bound: every limit, however low, allows some drive.
-        Drive::SCAN_VOLTS.check_up_to(config.drive.scan_volts, limits.voltage_v)?;
+        Drive::SCAN_VOLTS.check_up_to(config.drive.scan_volts, voltage_v)?;
         match config.drive.amplitude {
-            Amplitude::Volts(volts) => Drive::AMPLITUDE_V.check_up_to(volts, limits.voltage_v)?,
-            Amplitude::MotionalCurrent(amperes) => Drive::MOTIONAL_CURRENT_A.check_up_to(amperes, limits.current_a)?,
+            Amplitude::Volts(volts) => Drive::AMPLITUDE_V.check_up_to(volts, voltage_v)?,
+            Amplitude::MotionalCurrent(amperes) => Drive::MOTIONAL_CURRENT_A.check_up_to(amperes, config.limits.current_a)?,
         };
         Ok(AmplitudeLoop {
-            limits,
+            most_volts: voltage_v,
             voltage_limit: config.limits.voltage_v.min(converter_v),
             least_volts: MIN_DRIVE_CODES * config.front_end.drive_volt_per_lsb,
             start_volts: config.drive.scan_volts,
@@ -115,8 +114,8 @@ impl AmplitudeLoop {
     /// Sets the largest gain of a lane, to which the voltage limit applies. Returns the limit of
     /// the drive before this gain, V.
     pub(crate) fn set_loudest(&mut self, gain: f32) -> f32 {
-        self.limits.voltage_v = self.voltage_limit / gain;
-        self.limits.voltage_v
+        self.most_volts = self.voltage_limit / gain;
+        self.most_volts
     }
 
     /// Starts with an identified transducer that already vibrates with this motional current, A, at
@@ -181,27 +180,27 @@ impl AmplitudeLoop {
 
     /// Returns the ratio of the voltage limit to the present voltage; at least one.
     pub(crate) fn headroom(&self) -> f32 {
-        if self.volts > 0.0 { (self.limits.voltage_v / self.volts).max(1.0) } else { 1.0 }
+        if self.volts > 0.0 { (self.most_volts / self.volts).max(1.0) } else { 1.0 }
     }
 
     /// Returns the voltage limit of the lane with the largest gain, V.
     pub(crate) fn most_volts(&self) -> f32 {
-        self.limits.voltage_v
+        self.most_volts
     }
 
     /// Returns the largest voltage at present, within the limits of voltage and current, V.
     fn most_now(&self) -> f32 {
-        smaller(self.limits.voltage_v, self.fold_back.ceiling())
+        smaller(self.most_volts, self.fold_back.ceiling())
     }
 
     /// Returns the current limit, A.
     pub(crate) fn most_amperes(&self) -> f32 {
-        self.limits.current_a
+        self.fold_back.most_amperes()
     }
 
     /// Reduces a voltage so that `louder` times its value is within the limit.
     pub(crate) fn limit_volts(&self, volts: f32, louder: f32) -> f32 {
-        if volts * louder > self.limits.voltage_v { self.limits.voltage_v / louder } else { volts }
+        if volts * louder > self.most_volts { self.most_volts / louder } else { volts }
     }
 
     /// Returns `true` if the amplitude has been reached, or cannot be reached.
@@ -216,7 +215,7 @@ impl AmplitudeLoop {
 
     /// Returns the limit that does so: that of the current, or that of the voltage.
     pub(crate) fn limit(&self) -> Limit {
-        if self.fold_back.ceiling() < self.limits.voltage_v { Limit::FoldedBack } else { Limit::OverVoltageRequest }
+        if self.fold_back.ceiling() < self.most_volts { Limit::FoldedBack } else { Limit::OverVoltageRequest }
     }
 
     /// Returns the present set point of a soft start on its way to `target`.
@@ -241,7 +240,7 @@ impl AmplitudeLoop {
             // At an amplitude within the noise, the integral may be zero, which cannot be scaled.
             let (scaled, least) =
                 (self.integral_volts * (set_point / self.last_set_point_a), MIN_VOLTAGE_REL * self.ohm * set_point);
-            self.integral_volts = up_to(self.limits.voltage_v, larger(scaled, least));
+            self.integral_volts = up_to(self.most_volts, larger(scaled, least));
         }
         self.last_set_point_a = set_point;
     }
@@ -251,7 +250,7 @@ impl AmplitudeLoop {
             // Without an identified transducer the voltage is unknown.
             return 0.0;
         }
-        let ceiling = up_to(self.limits.current_a, amperes);
+        let ceiling = up_to(self.fold_back.most_amperes(), amperes);
         self.expected += self.lag * (envelope * ceiling - self.expected);
         if ceiling == 0.0 {
             // The integral, which reflects the load, is kept for the next amplitude.

@@ -75,6 +75,11 @@ impl FoldBack {
         *self = FoldBack { ohm: 2.0 * lm_h / block_s, gain: smaller(LOW_PASS_RATIO * lag, 1.0), ..FoldBack::build(self.limit_a) };
     }
 
+    /// Returns the current limit, A.
+    pub(crate) fn most_amperes(&self) -> f32 {
+        self.limit_a
+    }
+
     /// Returns the largest voltage, V.
     pub(crate) fn ceiling(&self) -> f32 {
         self.ceiling

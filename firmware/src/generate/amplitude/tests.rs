@@ -16,9 +16,8 @@ fn transducer(q: f32, rm_ohm: f32) -> Transducer {
 }
 
 fn amplitude_loop(amperes: f32) -> AmplitudeLoop {
-    let limits = Limits { voltage_v: 12.0, current_a: 3.0, ..Limits::default() };
     AmplitudeLoop {
-        limits,
+        most_volts: 12.0,
         voltage_limit: 12.0,
         least_volts: 1e-4,
         start_volts: 1.0,

@@ -4,15 +4,16 @@
 //! Each stroke is planned at its beginning, from the present vibration: the remainder of an earlier
 //! burst, or the level that a short one has reached. If the gate reverses before a stroke is over,
 //! the burst reacts after whole periods of it, so that these cancel. A boost of an odd number of
-//! half cycles is compensated by a brake of an odd number.
+//! half cycles is compensated by a brake of an odd number. A brake that a limit has made too weak
+//! for the vibration is followed by another.
 
 use super::ring::Ring;
-use super::stroke::{Stroke, Strokes};
+use super::stroke::{CurrentRoom, Stroke, Strokes};
 use super::zero_crossing::ends_falling;
 use super::{Burst, State};
 use crate::generate::nco::Stretch;
 use crate::seam::block::Gate;
-use crate::seam::compare::within;
+use crate::seam::compare::{smaller, within};
 
 /// Relative excess over the ceiling above which a stroke counts as limited.
 const MAX_EXCESS_REL: f32 = 0.01;
@@ -27,6 +28,8 @@ const MIN_TRACKED_HALF_CYCLES: u32 = 64;
 pub(super) struct Boost {
     pub(super) ring: Ring,
     strokes: Option<Strokes>,
+    /// Room within the current limit, for a vibration above that of the drive.
+    room: CurrentRoom,
     /// Drive at an envelope of one, V.
     volts: f32,
     /// Drive of the stroke under way, V.
@@ -36,6 +39,8 @@ pub(super) struct Boost {
     /// `true` if an odd boost waits for its odd brake.
     odd: bool,
     limited: bool,
+    /// `true` if a limit has made the stroke under way too weak to reach its target.
+    weak: bool,
 }
 
 impl Boost {
@@ -87,7 +92,11 @@ impl Boost {
             State::Open { falling: began } if !open && falling == began => self.fall(),
             State::Braking { left } if left <= 1 => {
                 self.odd &= self.stroke.is_multiple_of(2);
-                if open { self.rise(falling) } else { State::Closed }
+                match open {
+                    true => self.rise(falling),
+                    false if self.weak => self.fall(),
+                    false => State::Closed,
+                }
             }
             State::Braking { left } if open && (self.stroke - left) % 2 == 1 => self.rise(falling),
             State::Braking { left } => State::Braking { left: left - 1 },
@@ -111,9 +120,14 @@ impl Boost {
 
     /// Begins a stroke from the present vibration to a target, V.
     fn begin(&mut self, stroke: Stroke, to: f32, strokes: &Strokes) {
-        let needed = stroke.volts(self.ring.volts(), to);
-        self.limited = !strokes.lands || needed.abs() > (1.0 + MAX_EXCESS_REL) * strokes.ceiling;
-        self.stroke_volts = within(needed, -strokes.ceiling, strokes.ceiling);
+        let from = self.ring.volts();
+        let needed = stroke.volts(from, to);
+        // The vibration is above that of the drive if the amplitude has just been reduced.
+        let high = from.abs() > (1.0 + MAX_DRIVE_CHANGE_REL) * strokes.volts;
+        let ceiling = if high { smaller(strokes.ceiling, self.room.volts(from)) } else { strokes.ceiling };
+        self.weak = needed.abs() > (1.0 + MAX_EXCESS_REL) * ceiling;
+        self.limited = !strokes.lands || self.weak;
+        self.stroke_volts = within(needed, -ceiling, ceiling);
         self.stroke = stroke.half_cycles;
     }
 }
@@ -194,10 +208,12 @@ impl Burst {
         }
     }
 
-    /// Sets the decay rate of the vibration, 1/sample, for blocks of this number of samples.
-    pub(crate) fn set_rate(&mut self, per_sample: f32, samples: usize) {
+    /// Sets the decay rate of the vibration, 1/sample, for blocks of this number of samples, and
+    /// the room for the drive of an edge.
+    pub(crate) fn set_rate(&mut self, per_sample: f32, samples: usize, room: CurrentRoom) {
         if let Some(boost) = &mut self.boost {
             boost.ring.set_rate(per_sample, samples);
+            boost.room = room;
         }
     }
 

@@ -29,6 +29,8 @@
 //! Valid for a linear vibration that is driven at its resonance. A Coulomb load of a sixth of the
 //! drive changes `u` by 2 % at a headroom of five.
 
+use crate::seam::compare::larger;
+
 /// Longest boost, time constants: the drive alone is at 95 % then.
 const MAX_BOOST_TIME_CONSTANTS: f32 = 3.0;
 /// Largest number of half cycles by which a brake is extended to the odd number of its boost.
@@ -43,6 +45,29 @@ pub(crate) struct OtherMode {
     pub(crate) beat: f32,
     /// Motional capacitance, relative to that of the driven mode.
     pub(crate) strength: f32,
+}
+
+/// Room for the drive of an edge within the current limit. The current of the vibration and that of
+/// the clamped branch are in quadrature: `I^2 = (S R)^2 + (B u)^2`.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct CurrentRoom {
+    /// Square of the largest current, A².
+    pub(crate) most: f32,
+    /// Square of the motional current per volt, S², `S^2`.
+    pub(crate) motional: f32,
+    /// Square of the clamped branch's admittance, S², `B^2`.
+    pub(crate) clamped: f32,
+}
+
+impl CurrentRoom {
+    /// Returns the largest drive, V, during a vibration that a steady drive of `vibration` V would
+    /// hold.
+    // Not inlined: the fast memory of a board has no room for it.
+    #[cold]
+    #[inline(never)]
+    pub(crate) fn volts(&self, vibration: f32) -> f32 {
+        libm::sqrtf(larger(self.most - vibration * vibration * self.motional, 0.0) / self.clamped)
+    }
 }
 
 /// Number of half cycles, and the part of the earlier vibration that remains after them.

@@ -154,6 +154,7 @@ impl Observed {
     /// Resets the attempts.
     pub(crate) fn restart(&mut self) {
         (self.seek, self.locked, self.inside) = (Retry::Scan, false, 0);
+        self.observer.restart();
     }
 
     /// Follows one block. `fits` is `false` if the measured motional phase contradicts a lock.

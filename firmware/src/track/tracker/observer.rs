@@ -28,17 +28,21 @@
 //!   changes within a block, plus the error of the model.
 //! * An innovation above five standard deviations means that the load has jumped. The **gate**
 //!   opens: frequency and damping become uncertain again, and the rate is reset.
+//! * A step of the drive also excites resonances that the observer does not know, which count as
+//!   noise (`ringing`).
 //! * A second integrator follows a steadily moving resonance, after the frequency has settled.
 //! * Without drive the ring-down is measured as long as it lasts; then only the deviation grows.
 //!
 //! The same equation gives detuning and half bandwidth of superconducting cavities.
 
 mod readings;
+mod ringing;
 
 use crate::generate::shape::sine;
 use crate::seam::compare::{larger, smaller};
 use crate::seam::phasor::Phasor;
 pub use crate::track::tracker::observer::readings::Spread;
+use crate::track::tracker::observer::ringing::Ringing;
 pub use crate::track::tracker::prior::Prior;
 
 const TAU: f32 = core::f32::consts::TAU;
@@ -124,6 +128,7 @@ pub struct Observer {
     covariance: Covariance,
     voltage: Phasor,
     played: Played,
+    ringing: Ringing,
     /// Blocks since a start or since the gate opened.
     calm: u32,
 }
@@ -164,6 +169,7 @@ impl Observer {
             covariance: Covariance::default(),
             voltage: Phasor::new(0.0, 0.0),
             played: Played { offset_hz: 0.0, steady_v: None },
+            ringing: Ringing::default(),
             calm: 0,
         }
     }
@@ -188,20 +194,25 @@ impl Observer {
         self.calm = 0;
     }
 
+    /// Discards the ringing of another transducer.
+    pub(crate) fn restart(&mut self) {
+        self.ringing = Ringing::default();
+    }
+
     /// Updates the filter with one block: motional current and voltage, both peak and relative to
     /// the drive's phase, and the drive played in it.
     #[inline]
     pub fn follow(&mut self, current: Phasor, voltage: Phasor, played: Played) {
         let before = core::mem::replace(&mut self.played, played);
-        let mean_v = (core::mem::replace(&mut self.voltage, voltage) + voltage) * 0.5;
+        let before_v = core::mem::replace(&mut self.voltage, voltage);
+        let mean_v = (before_v + voltage) * 0.5;
         let same = |(now, then): (f32, f32)| (now - then).abs() <= STEADY_VOLTAGE_REL * larger(now, then);
         self.calm = self.calm.saturating_add(1);
         let silent = played.steady_v == Some(0.0) && current.norm_sqr() < SILENT_SIGMAS * SILENT_SIGMAS * self.noise;
         if silent || !played.steady_v.zip(before.steady_v).is_some_and(same) {
             // In silence the phase is only noise; at an edge the block before does not predict this
             // one.
-            let grows = (self.nominal_strength * voltage).norm_sqr();
-            return self.jump(current, self.noise + LEAK_REL * LEAK_REL * grows);
+            return self.begin(current, before_v, silent);
         }
 
         // Predicted current.
@@ -232,9 +243,11 @@ impl Observer {
 
         let moved = (current - self.current).norm_sqr();
         let noise = self.noise + LEAK_REL * LEAK_REL * moved + MODEL_ERROR_REL * MODEL_ERROR_REL * current.norm_sqr();
-        let total = variance + noise;
         let innovation = current - expected;
+        let noise = noise + self.ringing.variance();
+        let total = variance + noise;
         if self.exceeds_gate(innovation, total) {
+            self.ringing.take(innovation, total, a);
             return self.open(current, noise);
         }
 
@@ -273,6 +286,9 @@ impl Observer {
             self.pole.im = within(self.pole.im, -self.window, self.window);
             self.rate = 0.0;
         }
+        if self.ringing.listens() {
+            self.ringing.take(innovation, total, a);
+        }
     }
 
     /// Returns `exp((-alpha + j (w0 - w)) T / 2)` for a drive at `offset_hz` from the nominal
@@ -282,6 +298,19 @@ impl Observer {
         let x = 0.5 * self.pole.re;
         let size = 1.0 + x * (1.0 + x * (0.5 + x * (1.0 / 6.0 + x * (1.0 / 24.0 + x * (1.0 / 120.0)))));
         sine::rotation(u64::from(steps as i32 as u32) << 32) * size
+    }
+
+    /// Begins with a measured current after a step from this voltage, or in silence.
+    // Not inlined: the fast memory of a board has no room for it.
+    #[inline(never)]
+    fn begin(&mut self, current: Phasor, before_v: Phasor, silent: bool) {
+        let step = (self.voltage - before_v).norm_sqr();
+        // Less is noise.
+        if !silent && step > STEADY_VOLTAGE_REL * STEADY_VOLTAGE_REL * larger(self.voltage.norm_sqr(), before_v.norm_sqr()) {
+            self.ringing.step(step);
+        }
+        let grows = (self.nominal_strength * self.voltage).norm_sqr();
+        self.jump(current, self.noise + LEAK_REL * LEAK_REL * grows);
     }
 
     /// Restarts from a measured current, without a prediction. The pole is kept.

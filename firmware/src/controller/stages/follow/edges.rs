@@ -7,8 +7,9 @@
 //! that would hold it, is `R = Re(I_m / S)`.
 
 use crate::controller::chain::{Chain, Measured};
+use crate::generate::amplitude::AmplitudeLoop;
 use crate::generate::burst::Brake;
-use crate::generate::burst::stroke::{OtherMode, Planner};
+use crate::generate::burst::stroke::{CurrentRoom, OtherMode, Planner};
 use crate::generate::signal_generator::SignalGenerator;
 use crate::seam::block::{Gate, LATENCY_BLOCKS, Orders};
 use crate::seam::compare::{larger, smaller};
@@ -203,13 +204,11 @@ impl Edges {
         let resonance_hz = chain.track.latest_transducer().map(|transducer| transducer.series_resonance_hz);
         let (Some(resonance_hz), Some(per_ampere)) = (resonance_hz, self.per_ampere) else { return };
         let SignalGenerator { burst, amplitude, samples, .. } = &mut chain.generator;
-        burst.set_rate(rate / self.sample_hz, *samples);
         let volts = self.braked_volts;
-        let most = MAX_CURRENT_REL * amplitude.most_amperes();
-        let (motional, clamped) = (1.0 / per_ampere.norm_sqr(), chain.track.tracker.branch().y0.norm_sqr());
-        let boosted = libm::sqrtf(larger(most * most - volts * volts * motional, 0.0) / clamped);
-        let driven = smaller(volts, most / libm::sqrtf(motional + clamped));
-        let ceiling = smaller(larger(boosted, driven), amplitude.most_volts());
+        let room = current_room(amplitude, 1.0 / per_ampere.norm_sqr(), chain.track.tracker.branch().y0);
+        burst.set_rate(rate / self.sample_hz, *samples, room);
+        let driven = smaller(volts, libm::sqrtf(room.most / (room.motional + room.clamped)));
+        let ceiling = smaller(larger(room.volts(volts), driven), amplitude.most_volts());
         let half_cycles = 2.0 * resonance_hz / rate;
         let other_mode = chain.track.other_mode;
         let other_mode =
@@ -229,8 +228,27 @@ impl Edges {
         } else if !burst.brakes(gate) || volts == 0.0 {
             burst.set_brake(None);
         } else if burst.brake().is_none() || (volts - self.braked_volts).abs() > REPLAN_REL * volts {
-            burst.set_brake(Some(Brake::of(chain.track.periods(), amplitude.headroom())));
+            chain.generator.burst.set_brake(Some(plan_brake(chain, volts)));
             self.braked_volts = volts;
         }
     }
+}
+
+/// Returns the shortest brake after a complete ring-up to this drive, V, within the limits of
+/// voltage and current.
+// Not inlined: the fast memory of a board has no room for it.
+#[cold]
+#[inline(never)]
+fn plan_brake(chain: &Chain, volts: f32) -> Brake {
+    let (amplitude, track) = (&chain.generator.amplitude, &chain.track);
+    let resistance = track.latest_transducer().map_or(f32::INFINITY, |transducer| transducer.rm_ohm);
+    let room = current_room(amplitude, 1.0 / (resistance * resistance), track.tracker.branch().y0);
+    Brake::of(track.periods(), smaller(amplitude.headroom(), room.volts(volts) / volts))
+}
+
+/// Returns the room within the current limit, from the squared motional current per volt, S², and
+/// the admittance of the clamped branch, S.
+fn current_room(amplitude: &AmplitudeLoop, motional: f32, clamped: Phasor) -> CurrentRoom {
+    let most = MAX_CURRENT_REL * amplitude.most_amperes();
+    CurrentRoom { most: most * most, motional, clamped: clamped.norm_sqr() }
 }

@@ -1,5 +1,6 @@
 use super::*;
 use crate::generate::burst::envelope::Envelope;
+use crate::generate::burst::stroke::CurrentRoom;
 use crate::generate::nco::{Stretch, tuning_word};
 use crate::seam::block::Gate;
 use crate::seam::config::{Burst as Config, Edge};
@@ -7,6 +8,8 @@ use crate::seam::config::{Burst as Config, Edge};
 const HZ: f64 = 40_404.0;
 const VOLTS: f32 = 3.0;
 const BLOCK: usize = 32;
+/// Without an effective current limit.
+const ROOMY: CurrentRoom = CurrentRoom { most: f32::MAX, motional: 0.0, clamped: 1.0 };
 
 /// Resonance: displacement and velocity rotate at its own frequency, and the velocity is driven and
 /// damped by half at both ends of a sample. The amplitude is one under a steady drive of one volt.
@@ -38,6 +41,7 @@ impl Plant {
 struct Bench {
     burst: Burst,
     plant: Plant,
+    volts: f32,
     block: u64,
     /// Voltage of each sample, V, and the amplitude after it.
     played: std::vec::Vec<(f64, f64)>,
@@ -50,23 +54,23 @@ impl Bench {
         let plant = Plant::new(q);
         let per_time_constant = (2.0 * q / core::f64::consts::PI) as f32;
         burst.set_strokes(Some(Strokes::plan(per_time_constant, VOLTS, ceiling)));
-        burst.set_rate(plant.alpha as f32, BLOCK);
+        burst.set_rate(plant.alpha as f32, BLOCK, ROOMY);
         burst.set_drive(VOLTS);
         burst.update(0.0);
-        Bench { burst, plant, block: 0, played: std::vec::Vec::new() }
+        Bench { burst, plant, volts: VOLTS, block: 0, played: std::vec::Vec::new() }
     }
 
     fn blocks(&mut self, gate: Gate, blocks: usize) -> &mut Self {
         for _ in 0..blocks {
             let word = tuning_word(HZ * 1e-6);
             let stretch = Stretch { phase: word.wrapping_mul(self.block * BLOCK as u64), word, step: 0 };
-            let levels: std::vec::Vec<f32> = match self.burst.envelope(gate, 0, &stretch, BLOCK, VOLTS) {
+            let levels: std::vec::Vec<f32> = match self.burst.envelope(gate, 0, &stretch, BLOCK, self.volts) {
                 Envelope::Flat(level) => std::vec![level; BLOCK],
                 Envelope::Edge(levels) => levels.to_vec(),
             };
             for (n, level) in levels.iter().enumerate() {
                 let phase = core::f64::consts::TAU * (stretch.phase_at(n) as f64 / 18_446_744_073_709_551_616.0);
-                let volts = f64::from(level * VOLTS) * libm::sin(phase);
+                let volts = f64::from(level * self.volts) * libm::sin(phase);
                 let amplitude = self.plant.step(volts);
                 self.played.push((volts, amplitude));
             }
@@ -148,4 +152,33 @@ fn without_headroom_the_burst_is_limited_and_reports_it() {
     bench.blocks(Gate::Off, 100);
     assert!(bench.left() / 3.0 < 5e-3, "{}", bench.left());
     assert!(bench.loudest() < 3.01);
+}
+
+/// The amplitude falls to a third just before the end of a burst, so that the vibration is still
+/// high: the brake keeps the current within its limit, and is followed by others until the
+/// vibration has stopped.
+#[test]
+fn a_brake_during_a_higher_vibration_keeps_the_current_limit() {
+    for (q, most) in [(65.0, 1.3f32), (200.0, 1.1), (200.0, 0.7)] {
+        let mut bench = Bench::new(q, 15.466);
+        bench.blocks(Gate::On, 400);
+        // The vibration of 3 V takes 1 A, and so does the clamped branch at 10 V.
+        let room = CurrentRoom { most: most * most, motional: 1.0 / 9.0, clamped: 0.01 };
+        bench.volts = 1.0;
+        bench.burst.set_strokes(Some(Strokes::plan((2.0 * q / core::f64::consts::PI) as f32, 1.0, room.volts(1.0))));
+        bench.burst.set_rate(bench.plant.alpha as f32, BLOCK, room);
+        bench.burst.set_drive(1.0);
+        bench.played.clear();
+        bench.blocks(Gate::On, 2).blocks(Gate::Off, 400);
+        let braked = bench.played.iter().filter(|played| played.0.abs() > 1.01);
+        let ring = |amplitude: f64| amplitude * amplitude / 9.0;
+        let highest = braked.map(|(volts, amplitude)| ring(*amplitude) + 0.01 * volts * volts).fold(0.0, f64::max);
+        // Where the vibration alone exceeds the limit, it decays freely.
+        assert!(
+            highest.sqrt() < 1.02 * f64::from(most) && bench.left() < 0.05,
+            "{q}, {most}: {} {}",
+            highest.sqrt(),
+            bench.left()
+        );
+    }
 }

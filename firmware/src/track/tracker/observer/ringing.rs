@@ -1,0 +1,105 @@
+//! Ringing of resonances that the observer does not know.
+//!
+//! A step of the drive excites every resonance of the transducer. The others beat with the drive,
+//! and the observer would take that for a detuning: an edge boosted to four times the drive leaves
+//! several percent of the current. The size of this disturbance after a step is learned from the
+//! innovations, as a variance relative to the square of the step. It counts as noise, and follows
+//! the innovations until it is no longer visible. A transducer with a single resonance has none.
+
+use crate::seam::compare::{larger, smaller};
+use crate::seam::phasor::Phasor;
+
+/// Number of blocks after a step that are evaluated.
+const WINDOW_BLOCKS: u16 = 64;
+/// Smallest number of blocks that are evaluated.
+const MIN_BLOCKS: u16 = 8;
+/// A disturbance is visible if it, or the square of the innovations, exceeds the expected square by
+/// this factor.
+const VISIBLE: f32 = 4.0;
+/// Part of the expected square below which a disturbance is over.
+const OVER: f32 = 1e-3;
+/// Weight of earlier steps against the last one.
+const MEMORY: f32 = 0.5;
+/// Part of the difference from the innovations that the variance follows in a block.
+const FOLLOWED: f32 = 1.0 / 32.0;
+
+/// Disturbance after steps of the drive.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Ringing {
+    /// Variance of the disturbance, A².
+    variance: f32,
+    /// Variance after a step, relative to its square, S².
+    per_square: f32,
+    /// Fading sum of the squares of steps times blocks that this was learned from, V².
+    squares: f32,
+    /// Square of the last step, V².
+    square: f32,
+    /// Since that step: number of blocks, and sums of the squares of innovations, A², and of their
+    /// expected values without the disturbance, A².
+    blocks: u16,
+    innovations: f32,
+    expected: f32,
+    /// `true` if the next innovation matters.
+    listens: bool,
+}
+
+impl Ringing {
+    /// Returns the variance of the disturbance in the next block, A².
+    #[inline]
+    pub(super) fn variance(&self) -> f32 {
+        self.variance
+    }
+
+    /// Returns `true` if the next innovation matters: it is one of the first after a step, or there
+    /// is a disturbance.
+    #[inline]
+    pub(super) fn listens(&self) -> bool {
+        self.listens
+    }
+
+    /// Takes the square of a step of the drive, V².
+    #[inline(never)]
+    pub(super) fn step(&mut self, square: f32) {
+        self.evaluate();
+        // An edge takes several steps.
+        self.square = if self.blocks < MIN_BLOCKS { self.square + square } else { square };
+        (self.blocks, self.innovations, self.expected, self.listens) = (0, 0.0, 0.0, true);
+        self.variance += self.per_square * square;
+    }
+
+    /// Takes an innovation, A, the expected value of its square, A², and the factor by which the
+    /// free current changes in a block.
+    // Not inlined: the fast memory of a board has no room for it.
+    #[inline(never)]
+    pub(super) fn take(&mut self, innovation: Phasor, expected: f32, decay: Phasor) {
+        let (innovation, expected) = (innovation.norm_sqr(), expected - self.variance);
+        self.variance *= smaller(decay.norm_sqr(), 1.0);
+        if self.variance > expected {
+            // A jump of the load, which opens the gate, hardly counts.
+            let seen = smaller(innovation, VISIBLE * self.variance);
+            self.variance += FOLLOWED * (seen - expected - self.variance);
+        } else if self.variance < OVER * expected {
+            self.variance = 0.0;
+        }
+        if self.blocks < WINDOW_BLOCKS {
+            self.blocks += 1;
+            self.innovations += innovation;
+            self.expected += expected;
+        } else {
+            self.listens = self.variance > 0.0;
+        }
+    }
+
+    /// Learns from the blocks since the last step, if the disturbance was visible or should have
+    /// been.
+    fn evaluate(&mut self) {
+        let excited = self.square * f32::from(self.blocks);
+        let visible = larger(self.innovations, self.per_square * excited) > VISIBLE * self.expected;
+        if visible && self.blocks >= MIN_BLOCKS && excited > 0.0 {
+            let earlier = MEMORY * self.squares;
+            self.squares = earlier + excited;
+            let excess = self.per_square * earlier + larger(self.innovations - self.expected, 0.0);
+            self.per_square = excess / self.squares;
+        }
+    }
+}
