@@ -124,7 +124,7 @@ impl Boost {
         let needed = stroke.volts(from, to);
         // The vibration is above that of the drive if the amplitude has just been reduced.
         let high = from.abs() > (1.0 + MAX_DRIVE_CHANGE_REL) * strokes.volts;
-        let ceiling = if high { smaller(strokes.ceiling, self.room.volts(from)) } else { strokes.ceiling };
+        let ceiling = if high { smaller(self.room.volts(from), strokes.ceiling) } else { strokes.ceiling };
         self.weak = needed.abs() > (1.0 + MAX_EXCESS_REL) * ceiling;
         self.limited = !strokes.lands || self.weak;
         self.stroke_volts = within(needed, -ceiling, ceiling);
@@ -208,11 +208,16 @@ impl Burst {
         }
     }
 
-    /// Sets the decay rate of the vibration, 1/sample, for blocks of this number of samples, and
-    /// the room for the drive of an edge.
-    pub(crate) fn set_rate(&mut self, per_sample: f32, samples: usize, room: CurrentRoom) {
+    /// Sets the decay rate of the vibration, 1/sample, for blocks of this number of samples.
+    pub(crate) fn set_rate(&mut self, per_sample: f32, samples: usize) {
         if let Some(boost) = &mut self.boost {
             boost.ring.set_rate(per_sample, samples);
+        }
+    }
+
+    /// Sets the room for the drive of an edge within the current limit.
+    pub(crate) fn set_room(&mut self, room: CurrentRoom) {
+        if let Some(boost) = &mut self.boost {
             boost.room = room;
         }
     }

@@ -36,6 +36,7 @@
 //! The same equation gives detuning and half bandwidth of superconducting cavities.
 
 mod readings;
+mod restart;
 mod ringing;
 
 use crate::generate::shape::sine;
@@ -53,13 +54,8 @@ const STEPS_PER_TURN: f32 = 4_294_967_296.0;
 const WANDER_REL: f32 = 6e-4;
 /// Part of the change of the current within a block that counts as noise: it leaks into the phasor.
 const LEAK_REL: f32 = 0.03;
-/// Innovation above which the gate opens, standard deviations.
-const GATE_SIGMAS: f32 = 5.0;
 /// Number of blocks after a start or an opening of the gate until the gate is armed.
 const ARM_BLOCKS: u32 = 16;
-/// Deviation of the resonance after the gate has opened, relative to the nominal frequency: 300 Hz
-/// at 40 kHz.
-const GATE_OPENS_REL: f32 = 300.0 / 40e3;
 /// Smallest relative deviation of the inductance at the start.
 const MIN_LM_DEVIATION_REL: f32 = 2e-3;
 /// Relative deviation of the inductance below which it is no longer learned: its row of the
@@ -298,49 +294,6 @@ impl Observer {
         let x = 0.5 * self.pole.re;
         let size = 1.0 + x * (1.0 + x * (0.5 + x * (1.0 / 6.0 + x * (1.0 / 24.0 + x * (1.0 / 120.0)))));
         sine::rotation(u64::from(steps as i32 as u32) << 32) * size
-    }
-
-    /// Begins with a measured current after a step from this voltage, or in silence.
-    // Not inlined: the fast memory of a board has no room for it.
-    #[inline(never)]
-    fn begin(&mut self, current: Phasor, before_v: Phasor, silent: bool) {
-        let step = (self.voltage - before_v).norm_sqr();
-        // Less is noise.
-        if !silent && step > STEADY_VOLTAGE_REL * STEADY_VOLTAGE_REL * larger(self.voltage.norm_sqr(), before_v.norm_sqr()) {
-            self.ringing.step(step);
-        }
-        let grows = (self.nominal_strength * self.voltage).norm_sqr();
-        self.jump(current, self.noise + LEAK_REL * LEAK_REL * grows);
-    }
-
-    /// Restarts from a measured current, without a prediction. The pole is kept.
-    #[inline(never)]
-    fn jump(&mut self, current: Phasor, variance: f32) {
-        self.current = current;
-        self.covariance = Covariance {
-            current: variance,
-            current_pole: Phasor::new(0.0, 0.0),
-            current_strength: Phasor::new(0.0, 0.0),
-            pole: self.covariance.pole + self.wander,
-            ..self.covariance
-        };
-        self.rate = 0.0;
-    }
-
-    /// Returns `true` if the gate is armed and an innovation with this variance exceeds noise.
-    #[inline]
-    fn exceeds_gate(&self, innovation: Phasor, variance: f32) -> bool {
-        self.calm > ARM_BLOCKS && innovation.norm_sqr() > GATE_SIGMAS * GATE_SIGMAS * variance
-    }
-
-    /// Opens the gate.
-    #[inline(never)]
-    fn open(&mut self, current: Phasor, noise: f32) {
-        self.jump(current, 4.0 * noise);
-        let spread = TAU * GATE_OPENS_REL * self.nominal_hz * self.block_s;
-        self.covariance.pole = self.covariance.pole.max(spread * spread);
-        self.covariance.pole_strength = Phasor::new(0.0, 0.0);
-        self.calm = 0;
     }
 }
 

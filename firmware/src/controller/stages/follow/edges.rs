@@ -206,7 +206,8 @@ impl Edges {
         let SignalGenerator { burst, amplitude, samples, .. } = &mut chain.generator;
         let volts = self.braked_volts;
         let room = current_room(amplitude, 1.0 / per_ampere.norm_sqr(), chain.track.tracker.branch().y0);
-        burst.set_rate(rate / self.sample_hz, *samples, room);
+        burst.set_rate(rate / self.sample_hz, *samples);
+        burst.set_room(room);
         let driven = smaller(volts, libm::sqrtf(room.most / (room.motional + room.clamped)));
         let ceiling = smaller(larger(room.volts(volts), driven), amplitude.most_volts());
         let half_cycles = 2.0 * resonance_hz / rate;
@@ -223,9 +224,11 @@ impl Edges {
         const REPLAN_REL: f32 = 0.01;
         let SignalGenerator { burst, amplitude, .. } = &mut chain.generator;
         let volts = amplitude.volts();
+        // A tracked transducer is unknown until the lock.
+        let known = chain.track.latest_transducer().is_some() || !chain.track.tracker.observes();
         if burst.is_under_way(gate) {
             // A brake in progress is kept.
-        } else if !burst.brakes(gate) || volts == 0.0 {
+        } else if !burst.brakes(gate) || volts == 0.0 || !known {
             burst.set_brake(None);
         } else if burst.brake().is_none() || (volts - self.braked_volts).abs() > REPLAN_REL * volts {
             chain.generator.burst.set_brake(Some(plan_brake(chain, volts)));

@@ -54,7 +54,8 @@ impl Bench {
         let plant = Plant::new(q);
         let per_time_constant = (2.0 * q / core::f64::consts::PI) as f32;
         burst.set_strokes(Some(Strokes::plan(per_time_constant, VOLTS, ceiling)));
-        burst.set_rate(plant.alpha as f32, BLOCK, ROOMY);
+        burst.set_rate(plant.alpha as f32, BLOCK);
+        burst.set_room(ROOMY);
         burst.set_drive(VOLTS);
         burst.update(0.0);
         Bench { burst, plant, volts: VOLTS, block: 0, played: std::vec::Vec::new() }
@@ -166,7 +167,8 @@ fn a_brake_during_a_higher_vibration_keeps_the_current_limit() {
         let room = CurrentRoom { most: most * most, motional: 1.0 / 9.0, clamped: 0.01 };
         bench.volts = 1.0;
         bench.burst.set_strokes(Some(Strokes::plan((2.0 * q / core::f64::consts::PI) as f32, 1.0, room.volts(1.0))));
-        bench.burst.set_rate(bench.plant.alpha as f32, BLOCK, room);
+        bench.burst.set_rate(bench.plant.alpha as f32, BLOCK);
+        bench.burst.set_room(room);
         bench.burst.set_drive(1.0);
         bench.played.clear();
         bench.blocks(Gate::On, 2).blocks(Gate::Off, 400);

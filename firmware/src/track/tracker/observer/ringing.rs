@@ -67,6 +67,13 @@ impl Ringing {
         self.variance += self.per_square * square;
     }
 
+    /// Ends the disturbance: in silence there is none.
+    #[inline(never)]
+    pub(super) fn rest(&mut self) {
+        self.evaluate();
+        (self.variance, self.square, self.blocks, self.listens) = (0.0, 0.0, 0, false);
+    }
+
     /// Takes an innovation, A, the expected value of its square, A², and the factor by which the
     /// free current changes in a block.
     // Not inlined: the fast memory of a board has no room for it.

@@ -350,3 +350,28 @@ fn ringing_of_another_resonance_is_learned() {
         assert!(rms < 1.5, "{apart_hz} Hz, Q {q}: {rms} Hz");
     }
 }
+
+/// A jump of the load soon after an edge looks like ringing. It must be found all the same, with
+/// and without another resonance, and later edges must be followed as before.
+#[test]
+fn a_jump_of_the_load_after_an_edge_is_found() {
+    let neighbour = Some((742.0, 880.0, 0.3, Complex64::default()));
+    for (q, neighbour, within_hz, most_blocks) in [(65.0, None, 20.0, 3), (600.0, neighbour, 6.0, 397)] {
+        let mut run = Loop::new(40_300.0, q, 1.0);
+        (run.volts, run.neighbour) = (8.0, neighbour);
+        let edge = |run: &mut Loop, blocks: usize| {
+            run.volts = 9.0 - run.volts;
+            run.settle(blocks, within_hz)
+        };
+        for _ in 0..20 {
+            edge(&mut run, 800);
+        }
+        for (after, jump_bandwidths) in [(5, 0.5), (20, -0.7), (40, 0.2), (60, -1.0), (400, 1.0)] {
+            edge(&mut run, after);
+            run.resonance_hz += jump_bandwidths * 40_300.0 / q;
+            let found = run.settle(1500, within_hz);
+            let later = [edge(&mut run, 800), edge(&mut run, 800), edge(&mut run, 800)];
+            assert!(found <= most_blocks && later == [0; 3], "Q {q}, {after} blocks: {found} {later:?}");
+        }
+    }
+}
