@@ -108,7 +108,7 @@ impl Follow {
         // Before the new amplitude is set: the residual vibration was driven by the one before.
         if boosts {
             self.edges.prepare_boost(chain, measured, gate);
-        } else {
+        } else if chain.generator.burst.brakes(gate) || chain.generator.burst.brake().is_some() {
             self.edges.prepare_brake(chain, gate);
         }
         let known = chain.track.latest_transducer().is_some() || !chain.track.tracker.observes();

@@ -244,8 +244,9 @@ impl Burst {
         })
     }
 
-    /// Discards the vibration of another transducer or of another time.
+    /// Discards brake and vibration of another transducer or of another time.
     pub(crate) fn restart(&mut self) {
+        self.brake = None;
         if let Some(boost) = &mut self.boost {
             *boost = Boost::default();
         }

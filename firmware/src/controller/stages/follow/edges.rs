@@ -219,34 +219,37 @@ impl Edges {
 
     /// Prepares the brake for the residual vibration. A changed drive needs a new brake, because
     /// the brake's level is relative to the drive.
+    #[inline(never)]
     pub(crate) fn prepare_brake(&mut self, chain: &mut Chain, gate: Gate) {
         /// Relative change of the drive after which the brake is planned again.
         const REPLAN_REL: f32 = 0.01;
         let SignalGenerator { burst, amplitude, .. } = &mut chain.generator;
         let volts = amplitude.volts();
-        // A tracked transducer is unknown until the lock.
-        let known = chain.track.latest_transducer().is_some() || !chain.track.tracker.observes();
         if burst.is_under_way(gate) {
             // A brake in progress is kept.
-        } else if !burst.brakes(gate) || volts == 0.0 || !known {
+        } else if !burst.brakes(gate) || volts == 0.0 {
             burst.set_brake(None);
         } else if burst.brake().is_none() || (volts - self.braked_volts).abs() > REPLAN_REL * volts {
-            chain.generator.burst.set_brake(Some(plan_brake(chain, volts)));
+            plan_brake(chain, volts);
             self.braked_volts = volts;
         }
     }
 }
 
-/// Returns the shortest brake after a complete ring-up to this drive, V, within the limits of
-/// voltage and current.
+/// Sets the shortest brake after a complete ring-up to this drive, V, within the limits of voltage
+/// and current; none if the transducer is tracked, but not known yet.
 // Not inlined: the fast memory of a board has no room for it.
 #[cold]
 #[inline(never)]
-fn plan_brake(chain: &Chain, volts: f32) -> Brake {
-    let (amplitude, track) = (&chain.generator.amplitude, &chain.track);
-    let resistance = track.latest_transducer().map_or(f32::INFINITY, |transducer| transducer.rm_ohm);
+fn plan_brake(chain: &mut Chain, volts: f32) {
+    let (SignalGenerator { burst, amplitude, .. }, track) = (&mut chain.generator, &chain.track);
+    let resistance = match track.latest_transducer() {
+        Some(transducer) => transducer.rm_ohm,
+        None if track.tracker.observes() => return burst.set_brake(None),
+        None => f32::INFINITY,
+    };
     let room = current_room(amplitude, 1.0 / (resistance * resistance), track.tracker.branch().y0);
-    Brake::of(track.periods(), smaller(amplitude.headroom(), room.volts(volts) / volts))
+    burst.set_brake(Some(Brake::of(track.periods(), smaller(amplitude.headroom(), room.volts(volts) / volts))));
 }
 
 /// Returns the room within the current limit, from the squared motional current per volt, S², and
