@@ -244,9 +244,10 @@ impl Burst {
         })
     }
 
-    /// Discards brake and vibration of another transducer or of another time.
+    /// Discards brake, strokes and vibration of another transducer or of another time.
     pub(crate) fn restart(&mut self) {
-        self.brake = None;
+        self.set_brake(None);
+        self.moves = self.boosts;
         if let Some(boost) = &mut self.boost {
             *boost = Boost::default();
         }

@@ -187,6 +187,8 @@ impl Observer {
         self.covariance =
             Covariance { pole: spread * spread, strength: spread_of_strength * spread_of_strength, ..Covariance::default() };
         self.played = Played { offset_hz, steady_v: None };
+        self.voltage = Phasor::new(0.0, 0.0);
+        self.ringing.rest();
         self.calm = 0;
     }
 
@@ -204,11 +206,11 @@ impl Observer {
         let mean_v = (before_v + voltage) * 0.5;
         let same = |(now, then): (f32, f32)| (now - then).abs() <= STEADY_VOLTAGE_REL * larger(now, then);
         self.calm = self.calm.saturating_add(1);
-        let silent = played.steady_v == Some(0.0) && current.norm_sqr() < SILENT_SIGMAS * SILENT_SIGMAS * self.noise;
+        let silent = played.steady_v == Some(0.0) && self.is_silent(current);
         if silent || !played.steady_v.zip(before.steady_v).is_some_and(same) {
             // In silence the phase is only noise; at an edge the block before does not predict this
             // one.
-            return self.begin(current, before_v, silent);
+            return self.begin(current, before_v);
         }
 
         // Predicted current.

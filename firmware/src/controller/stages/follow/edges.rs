@@ -249,7 +249,9 @@ fn plan_brake(chain: &mut Chain, volts: f32) {
         None => f32::INFINITY,
     };
     let room = current_room(amplitude, 1.0 / (resistance * resistance), track.tracker.branch().y0);
-    burst.set_brake(Some(Brake::of(track.periods(), smaller(amplitude.headroom(), room.volts(volts) / volts))));
+    // The brake of the drive itself takes no more current than the drive.
+    let level = larger(room.volts(volts) / volts, 1.0);
+    burst.set_brake(Some(Brake::of(track.periods(), smaller(level, amplitude.headroom()))));
 }
 
 /// Returns the room within the current limit, from the squared motional current per volt, S², and

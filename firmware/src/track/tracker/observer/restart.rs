@@ -1,7 +1,7 @@
 //! Restarts of the filter from a measured current: after a step of the drive, in silence, and when
 //! the gate opens because the load has jumped.
 
-use super::{ARM_BLOCKS, Covariance, LEAK_REL, Observer, STEADY_VOLTAGE_REL, TAU};
+use super::{ARM_BLOCKS, Covariance, LEAK_REL, Observer, SILENT_SIGMAS, STEADY_VOLTAGE_REL, TAU};
 use crate::seam::compare::larger;
 use crate::seam::phasor::Phasor;
 
@@ -12,19 +12,27 @@ const GATE_SIGMAS: f32 = 5.0;
 const GATE_OPENS_REL: f32 = 300.0 / 40e3;
 
 impl Observer {
-    /// Begins with a measured current after a step from this voltage, or in silence.
+    /// Begins with a measured current where the block before does not predict it: at an edge, or in
+    /// silence.
     // Not inlined: the fast memory of a board has no room for it.
     #[inline(never)]
-    pub(super) fn begin(&mut self, current: Phasor, before_v: Phasor, silent: bool) {
+    pub(super) fn begin(&mut self, current: Phasor, before_v: Phasor) {
+        let (now, before) = (self.voltage.norm_sqr(), before_v.norm_sqr());
+        let per_square = self.nominal_strength.norm_sqr();
+        let loudest = larger(now, before);
         let step = (self.voltage - before_v).norm_sqr();
-        if silent {
+        if loudest * per_square < self.noise && self.is_silent(current) {
             self.ringing.rest();
-        // Less is noise.
-        } else if step > STEADY_VOLTAGE_REL * STEADY_VOLTAGE_REL * larger(self.voltage.norm_sqr(), before_v.norm_sqr()) {
+        } else if step > STEADY_VOLTAGE_REL * STEADY_VOLTAGE_REL * loudest {
             self.ringing.step(step);
         }
-        let grows = (self.nominal_strength * self.voltage).norm_sqr();
-        self.jump(current, self.noise + LEAK_REL * LEAK_REL * grows);
+        self.jump(current, self.noise + LEAK_REL * LEAK_REL * per_square * now);
+    }
+
+    /// Returns `true` if a current without drive is only noise.
+    #[inline]
+    pub(super) fn is_silent(&self, current: Phasor) -> bool {
+        current.norm_sqr() < SILENT_SIGMAS * SILENT_SIGMAS * self.noise
     }
 
     /// Restarts from a measured current, without a prediction. The pole is kept.

@@ -13,8 +13,8 @@ use crate::seam::phasor::Phasor;
 const WINDOW_BLOCKS: u16 = 64;
 /// Smallest number of blocks that are evaluated.
 const MIN_BLOCKS: u16 = 8;
-/// A disturbance is visible if it, or the square of the innovations, exceeds the expected square by
-/// this factor.
+/// Factor by which the disturbance, or the square of the innovations, exceeds the expected square if
+/// it is visible.
 const VISIBLE: f32 = 4.0;
 /// Part of the expected square below which a disturbance is over.
 const OVER: f32 = 1e-3;
@@ -22,6 +22,9 @@ const OVER: f32 = 1e-3;
 const MEMORY: f32 = 0.5;
 /// Part of the difference from the innovations that the variance follows in a block.
 const FOLLOWED: f32 = 1.0 / 32.0;
+/// Largest square of an innovation that the variance follows, relative to it: with more, it would
+/// follow a jump of the load, and the gate would stay shut.
+const MAX_FOLLOWED: f32 = 2.0;
 
 /// Disturbance after steps of the drive.
 #[derive(Clone, Copy, Debug, Default)]
@@ -61,8 +64,8 @@ impl Ringing {
     #[inline(never)]
     pub(super) fn step(&mut self, square: f32) {
         self.evaluate();
-        // An edge takes several steps.
-        self.square = if self.blocks < MIN_BLOCKS { self.square + square } else { square };
+        // An edge takes several blocks, each with a step.
+        self.square = if self.blocks == 0 { self.square + square } else { square };
         (self.blocks, self.innovations, self.expected, self.listens) = (0, 0.0, 0.0, true);
         self.variance += self.per_square * square;
     }
@@ -82,8 +85,7 @@ impl Ringing {
         let (innovation, expected) = (innovation.norm_sqr(), expected - self.variance);
         self.variance *= smaller(decay.norm_sqr(), 1.0);
         if self.variance > expected {
-            // A jump of the load, which opens the gate, hardly counts.
-            let seen = smaller(innovation, VISIBLE * self.variance);
+            let seen = smaller(innovation, MAX_FOLLOWED * self.variance);
             self.variance += FOLLOWED * (seen - expected - self.variance);
         } else if self.variance < OVER * expected {
             self.variance = 0.0;
