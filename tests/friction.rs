@@ -162,7 +162,7 @@ fn a_reduction_has_the_friction_of_its_own_load_as_reference() {
 #[test]
 fn averages_end_at_a_fault() {
     let whole = bursts(&[]);
-    let ended = bursts(&["fault=[{ at_s = 0.3, kind = \"short\" }]"]);
+    let ended = bursts(&["fault=[{ at_s = 0.3, kind = \"overtemperature\" }]"]);
     assert!(ended.get("fault_code").is_some_and(|code| code > 0.0), "no fault");
     for name in ["mean_power_w", "mean_friction_n"] {
         let [whole, ended] = [&whole, &ended].map(|metrics| metrics.get(name).expect(name));

@@ -89,8 +89,8 @@ pub enum Gate {
     On,
     /// The drive is always off; the frequency is held.
     Off,
-    /// The drive is off, and stops the residual vibration by driving against it, up to the voltage
-    /// limit.
+    /// The drive is off, and stops the residual vibration by driving against it, up to the limits
+    /// of voltage and current.
     Brake,
 }
 

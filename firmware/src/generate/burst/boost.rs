@@ -132,7 +132,7 @@ impl Boost {
     }
 }
 
-/// Methods for boosted bursts only.
+/// Methods for boosted bursts only, except [`Burst::restart`].
 impl Burst {
     /// Returns the level of a boosted burst if it is constant over the block, and advances a long
     /// stroke. `stays` is `true` if the gate does not change.

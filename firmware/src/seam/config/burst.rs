@@ -39,7 +39,7 @@ pub struct Burst {
     #[setting(default = 5.0, min = 0.5, max = 1e4, key = 26)]
     pub edge_cycles: f32,
     /// Stops the vibration at the end of each burst by driving against it, within
-    /// `limits.voltage_v`.
+    /// `limits.voltage_v` and `limits.current_a`.
     #[setting(default, key = 27, quiet)]
     pub brake: bool,
 }

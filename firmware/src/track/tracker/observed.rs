@@ -151,7 +151,7 @@ impl Observed {
         self.start(prior, seek);
     }
 
-    /// Resets the attempts.
+    /// Resets the attempts, and discards the ringing of another transducer.
     pub(crate) fn restart(&mut self) {
         (self.seek, self.locked, self.inside) = (Retry::Scan, false, 0);
         self.observer.restart();

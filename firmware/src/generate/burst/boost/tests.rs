@@ -175,7 +175,7 @@ fn a_brake_during_a_higher_vibration_keeps_the_current_limit() {
         let braked = bench.played.iter().filter(|played| played.0.abs() > 1.01);
         let ring = |amplitude: f64| amplitude * amplitude / 9.0;
         let highest = braked.map(|(volts, amplitude)| ring(*amplitude) + 0.01 * volts * volts).fold(0.0, f64::max);
-        // Where the vibration alone exceeds the limit, it decays freely.
+        // When the vibration alone exceeds the limit, it decays freely.
         assert!(
             highest.sqrt() < 1.02 * f64::from(most) && bench.left() < 0.05,
             "{q}, {most}: {} {}",

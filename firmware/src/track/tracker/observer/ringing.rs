@@ -13,8 +13,8 @@ use crate::seam::phasor::Phasor;
 const WINDOW_BLOCKS: u16 = 64;
 /// Smallest number of blocks that are evaluated.
 const MIN_BLOCKS: u16 = 8;
-/// Factor by which the disturbance, or the square of the innovations, exceeds the expected square if
-/// it is visible.
+/// Factor by which a visible disturbance, or the square of its innovations, exceeds the expected
+/// square.
 const VISIBLE: f32 = 4.0;
 /// Part of the expected square below which a disturbance is over.
 const OVER: f32 = 1e-3;
