@@ -50,6 +50,8 @@ pub(crate) struct AmplitudeLoop {
     /// Current that an undisturbed resonance would have now, A.
     expected: f32,
     integral_volts: f32,
+    /// Present set point, V or A.
+    set_point: f32,
     volts: f32,
     limited: bool,
     fold_back: FoldBack,
@@ -97,6 +99,7 @@ impl AmplitudeLoop {
             limited: false,
             fold_back: FoldBack::build(config.limits.current_a),
             rise: if config.drive.soft_start_s > block_s { block_s / config.drive.soft_start_s } else { 1.0 },
+            set_point: 0.0,
             risen: 0.0,
             rises_from_a: 0.0,
             settled_blocks: 0,
@@ -152,20 +155,27 @@ impl AmplitudeLoop {
     }
 
     /// Updates the drive voltage from the set point, the mean envelope of the measured block, and
-    /// its motional current.
-    pub(crate) fn update(&mut self, target: Amplitude, envelope: f32, motional_current: Phasor) {
+    /// its motional current. `holds`: no correction, because a measurement needs a steady drive.
+    pub(crate) fn update(&mut self, target: Amplitude, envelope: f32, motional_current: Phasor, holds: bool) {
         let target = if self.risen < 1.0 { self.rise_to(target) } else { target };
+        let (Amplitude::Volts(set_point) | Amplitude::MotionalCurrent(set_point)) = target;
+        self.set_point = set_point;
         let set_point = match target {
             Amplitude::Volts(volts) => {
                 self.settled_blocks = SETTLED_BLOCKS;
                 volts
             }
-            Amplitude::MotionalCurrent(amperes) => self.hold(amperes, envelope, motional_current),
+            Amplitude::MotionalCurrent(amperes) => self.hold(amperes, envelope, motional_current, holds),
         };
         let most = self.most_now();
         self.limited = set_point > most;
         let volts = up_to(most, set_point);
         self.volts = if volts < self.least_volts { 0.0 } else { volts };
+    }
+
+    /// Returns the set point, V or A, which changes only by an order, a soft start or a derating.
+    pub(crate) fn set_point(&self) -> f32 {
+        self.set_point
     }
 
     /// Returns the peak voltage of the drive, V.
@@ -245,7 +255,7 @@ impl AmplitudeLoop {
         self.last_set_point_a = set_point;
     }
 
-    fn hold(&mut self, amperes: f32, envelope: f32, motional_current: Phasor) -> f32 {
+    fn hold(&mut self, amperes: f32, envelope: f32, motional_current: Phasor, holds: bool) -> f32 {
         if self.lag == 0.0 {
             // Without an identified transducer the voltage is unknown.
             return 0.0;
@@ -260,7 +270,7 @@ impl AmplitudeLoop {
         if self.last_set_point_a != ceiling {
             self.scale_voltage(ceiling);
         }
-        if envelope != 1.0 || self.expected < MIN_RING_UP_REL * ceiling {
+        if holds || envelope != 1.0 || self.expected < MIN_RING_UP_REL * ceiling {
             return self.integral_volts;
         }
         let motional_current = magnitude(motional_current);

@@ -120,7 +120,7 @@ impl Follow {
             let susceptance = chain.track.online.motional().y0.im;
             generator.amplitude.watch_current((on && played.pure).then_some(played.volts), motional, susceptance);
             let asked = self.asked(amplitude).derated(chain.guard.derating());
-            generator.amplitude.update(asked, envelope, at_lock_point);
+            generator.amplitude.update(asked, envelope, at_lock_point, chain.track.online.probes());
         }
         let volts = if !known {
             generator.amplitude.start_volts()
@@ -217,8 +217,8 @@ impl Follow {
             return;
         }
         let steady = level && !generator.amplitude.limited() && track.tracker.state() == State::Locked;
-        let sample =
-            online::Sample { sensed, relative: played.relative, detune_hz: played.detune_hz, volts: played.volts, steady };
+        let set_point = generator.amplitude.set_point();
+        let sample = online::Sample { sensed, relative: played.relative, detune_hz: played.detune_hz, set_point, steady };
         let output = track.online.step(&sample);
         self.probe_hz = output.detune_hz;
         if let Some(update) = output.update {

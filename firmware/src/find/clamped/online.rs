@@ -20,7 +20,6 @@ mod balance;
 use crate::find::clamped::online::balance::{Balance, Side};
 use crate::find::clamped::reading::Measured;
 use crate::seam::block::LATENCY_BLOCKS;
-use crate::seam::compare::is_step;
 use crate::seam::config::Config;
 use crate::seam::phasor::Phasor;
 use crate::sense::demod::Sensed;
@@ -45,6 +44,13 @@ const TARGET_DEVIATION_REL: f32 = 7e-4;
 /// Standard deviation at the lock point of a branch measured elsewhere, relative to the motional
 /// conductance.
 const ELSEWHERE_DEVIATION_REL: f32 = 0.02;
+/// Maximum change of the amplitude's set point within a round, relative. Until the current has
+/// followed, the change looks like a susceptance of up to twice the change times the motional
+/// conductance.
+const MAX_CHANGE_REL: f32 = 1e-3;
+/// Smallest and largest number of settling times of steady drive before a round. The number doubles
+/// after a round for which the drive was not steady long enough.
+const WAITS: (u32, u32) = (1, 4);
 /// Range of plausible relative changes of C0 during operation.
 const PLAUSIBLE_CHANGE_REL: core::ops::Range<f32> = -0.6..1.5;
 /// Minimum error of the initial branch that is corrected, relative to the motional conductance:
@@ -68,8 +74,8 @@ pub struct Sample<'a> {
     pub relative: f32,
     /// Intended distance from the lock point, Hz.
     pub detune_hz: f32,
-    /// Peak voltage of the drive, V.
-    pub volts: f32,
+    /// Set point of the amplitude, V or A.
+    pub set_point: f32,
     /// `true` if the loop is locked at a constant envelope of one, within all limits, and nothing
     /// else moves it off the lock point.
     pub steady: bool,
@@ -134,8 +140,10 @@ pub struct Online {
     due: Due,
     /// Blocks of steady drive.
     steady: u32,
-    /// Peak voltage of the last block, V.
-    volts: f32,
+    /// Settling times of steady drive before the next round.
+    wait: u32,
+    /// Set point of the amplitude since the drive became steady, V or A.
+    set_point: f32,
 }
 
 /// Reason for a round.
@@ -184,7 +192,8 @@ impl Online {
             doubted: false,
             due: Due::Begun,
             steady: 0,
-            volts: 0.0,
+            wait: WAITS.0,
+            set_point: 0.0,
         };
         online.set_resonance(resonance_hz, q);
         online
@@ -199,6 +208,7 @@ impl Online {
         self.slope = Phasor::new(0.0, 0.0);
         (self.doubted, self.due, self.settled) = (false, Due::Begun, u32::MAX);
         self.stop();
+        self.wait = WAITS.0;
     }
 
     /// Omits all rounds of a lock: another resonance is within about a bandwidth, so that the scan
@@ -246,7 +256,7 @@ impl Online {
 
     /// Returns the relative standard deviation of the susceptance of the clamped branch.
     pub(crate) fn deviation(&self) -> f32 {
-        libm::sqrtf(self.variance)
+        fpu::sqrtf(self.variance)
     }
 
     /// Returns `true` if the block must be passed to [`step`](Self::step); other blocks need no
@@ -283,14 +293,15 @@ impl Online {
         self.settled = if stepped { 0 } else { self.settled.saturating_add(1) };
         self.last_hz = sample.detune_hz;
         let hold = self.settled < self.settle_blocks;
-        let before_v = core::mem::replace(&mut self.volts, sample.volts);
-        if !sample.steady || self.steady > 0 && is_step(before_v, sample.volts) {
+        let changed = (sample.set_point - self.set_point).abs() > MAX_CHANGE_REL * sample.set_point;
+        if !sample.steady || changed {
+            self.set_point = sample.set_point;
             self.stop();
             return Output { hold, ..Output::default() };
         }
         self.steady = self.steady.saturating_add(1);
         // An incomplete ring-up would look like a susceptance.
-        if self.round == 0 && (self.steady < self.settle_blocks || self.has_little_drift()) {
+        if self.round == 0 && (self.steady < self.wait * self.settle_blocks || self.has_little_drift()) {
             return Output { hold, ..Output::default() };
         }
         self.listen(sample, hold);
@@ -299,11 +310,16 @@ impl Online {
             return Output { detune_hz: self.probe_hz(), hold, update: None };
         }
         let update = self.finish();
+        self.wait = WAITS.0;
         self.begin();
         Output { hold, update, ..Output::default() }
     }
 
     fn stop(&mut self) {
+        if self.round > 0 {
+            let fits = self.steady >= self.settle_blocks + self.round_blocks + LATENCY_BLOCKS as u32;
+            self.wait = if fits { WAITS.0 } else { WAITS.1.min(2 * self.wait) };
+        }
         self.steady = 0;
         self.begin();
     }
@@ -385,7 +401,7 @@ impl Online {
         }
         self.doubted = false;
         self.due = Due::Drift;
-        let was_off = begun.then(|| (found.abs() - MARGIN_SIGMAS * libm::sqrtf(variance)).max(0.0) / conductance);
+        let was_off = begun.then(|| (found.abs() - MARGIN_SIGMAS * fpu::sqrtf(variance)).max(0.0) / conductance);
 
         let gain = if agrees { 0.0 } else { self.variance / (self.variance + variance) };
         self.variance *= 1.0 - gain;
@@ -394,7 +410,7 @@ impl Online {
         Some(Update {
             motional: self.motional,
             deviation: self.deviation(),
-            round: (found, libm::sqrtf(variance)),
+            round: (found, fpu::sqrtf(variance)),
             was_off,
             q: Measured { value: q.value * self.unsettled(), ..q },
         })
