@@ -20,8 +20,8 @@ pub fn sqrtf(x: f32) -> f32 {
 
 /// Returns the square root, correctly rounded; not a number for a negative value.
 #[cfg(all(target_os = "none", target_arch = "arm", target_abi = "eabihf"))]
-// SAFETY: argument and result are in `s0` (AAPCS, the variant with floating-point registers), and no
-// register changes that a function must preserve.
+// SAFETY: argument and result are in `s0` (AAPCS, the variant with floating-point registers), and
+// no register changes that a function must preserve.
 #[unsafe(naked)]
 pub extern "C" fn sqrtf(x: f32) -> f32 {
     // The assembler of a naked function does not know the features of the target.

@@ -60,8 +60,8 @@ fn no_round_if_unsteady_or_already_accurate() {
     assert_eq!(online.step(&Sample { steady: true, ..sample }).detune_hz, 0.0);
     let rounds = (0..30_000).filter(|_| online.step(&Sample { steady: true, ..sample }).detune_hz != 0.0).count();
     assert!(rounds > 0, "no further round");
-    // A step of the drive interrupts a round, and the next one waits longer. If none has time, there
-    // are soon no more; if one has, it follows.
+    // A step of the drive interrupts a round, and the next one waits longer. If none has time,
+    // there are soon no more; if one has, others follow.
     for (blocks, fits) in [(50, false), (180, true)] {
         let detuned: std::vec::Vec<_> = (0..30_000)
             .map(|n| {

@@ -336,7 +336,7 @@ fn an_edge_of_the_drive_resets_only_the_current() {
 /// gate any more.
 #[test]
 fn ringing_of_another_resonance_is_learned() {
-    // Q; of the other resonance distance, Hz, Q and strength; and the largest rms error, bandwidths.
+    // Q; of the other resonance the distance, Hz, Q and strength; largest rms error, bandwidths.
     // Measured: 0.0021, 0.0033, 0.0029, 0.029, 0.029, 0.0033, 0.041.
     for (q, apart_hz, other_q, strength, most) in [
         (200.0, 1500.0, 200.0, 0.3, 0.0025),
