@@ -50,7 +50,7 @@ const ELSEWHERE_DEVIATION_REL: f32 = 0.02;
 const MAX_CHANGE_REL: f32 = 1e-3;
 /// Smallest and largest number of settling times of steady drive before a round. The number doubles
 /// after a round for which the drive was not steady long enough.
-const WAITS: (u32, u32) = (1, 4);
+const WAITS: (u8, u8) = (1, 4);
 /// Range of plausible relative changes of C0 during operation.
 const PLAUSIBLE_CHANGE_REL: core::ops::Range<f32> = -0.6..1.5;
 /// Minimum error of the initial branch that is corrected, relative to the motional conductance:
@@ -123,8 +123,6 @@ pub struct Online {
     step_hz: f32,
     settle_blocks: u32,
     quarter_blocks: u32,
-    /// Blocks of a round: three settling times and four quarters, two of them in the middle.
-    round_blocks: u32,
     /// Growth of `variance` per block: the random walk whose standard deviation after a round
     /// equals a steady drift during it.
     wander: f32,
@@ -141,7 +139,7 @@ pub struct Online {
     /// Blocks of steady drive.
     steady: u32,
     /// Settling times of steady drive before the next round.
-    wait: u32,
+    wait: u8,
     /// Set point of the amplitude since the drive became steady, V or A.
     set_point: f32,
 }
@@ -183,7 +181,6 @@ impl Online {
             step_hz: 0.0,
             settle_blocks: 0,
             quarter_blocks: 0,
-            round_blocks: 0,
             wander: 0.0,
             round: 0,
             settled: 0,
@@ -229,9 +226,8 @@ impl Online {
         self.step_hz = STEP_HALF_BANDWIDTHS * 0.5 * resonance_hz / q;
         self.settle_blocks = (SETTLE_TIME_CONSTANTS * tau_blocks) as u32 + 1;
         self.quarter_blocks = QUARTER_BLOCKS.max(QUARTER_TIME_CONSTANTS * tau_blocks) as u32;
-        self.round_blocks = 3 * self.settle_blocks + 4 * self.quarter_blocks;
         let wandered = self.drift_per_s * self.block_s;
-        self.wander = wandered * wandered * self.round_blocks as f32;
+        self.wander = wandered * wandered * self.round_blocks() as f32;
     }
 
     /// Returns `true` during a round, when the drive is off the lock point on purpose.
@@ -301,12 +297,12 @@ impl Online {
         }
         self.steady = self.steady.saturating_add(1);
         // An incomplete ring-up would look like a susceptance.
-        if self.round == 0 && (self.steady < self.wait * self.settle_blocks || self.has_little_drift()) {
+        if self.round == 0 && (self.steady < u32::from(self.wait) * self.settle_blocks || self.has_little_drift()) {
             return Output { hold, ..Output::default() };
         }
         self.listen(sample, hold);
         self.round += 1;
-        if self.round <= self.round_blocks + LATENCY_BLOCKS as u32 {
+        if self.round <= self.round_blocks() + LATENCY_BLOCKS as u32 {
             return Output { detune_hz: self.probe_hz(), hold, update: None };
         }
         let update = self.finish();
@@ -317,7 +313,7 @@ impl Online {
 
     fn stop(&mut self) {
         if self.round > 0 {
-            let fits = self.steady >= self.settle_blocks + self.round_blocks + LATENCY_BLOCKS as u32;
+            let fits = self.steady >= self.settle_blocks + self.round_blocks() + LATENCY_BLOCKS as u32;
             self.wait = if fits { WAITS.0 } else { WAITS.1.min(2 * self.wait) };
         }
         self.steady = 0;
@@ -343,11 +339,17 @@ impl Online {
         }
     }
 
+    /// Returns the blocks of a round: three settling times and four quarters, two of them in the
+    /// middle.
+    fn round_blocks(&self) -> u32 {
+        3 * self.settle_blocks + 4 * self.quarter_blocks
+    }
+
     fn probe_hz(&self) -> f32 {
         let first = self.settle_blocks + self.quarter_blocks;
         let second = first + self.settle_blocks + 2 * self.quarter_blocks;
         match self.round {
-            n if n > self.round_blocks => 0.0,
+            n if n > self.round_blocks() => 0.0,
             n if n > first && n <= second => -self.step_hz,
             _ => self.step_hz,
         }

@@ -10,9 +10,9 @@ use crate::seam::compare::{larger, smaller};
 use crate::seam::phasor::Phasor;
 
 /// Number of blocks after a step that are evaluated.
-const WINDOW_BLOCKS: u16 = 64;
+const WINDOW_BLOCKS: u8 = 64;
 /// Smallest number of blocks that are evaluated.
-const MIN_BLOCKS: u16 = 8;
+const MIN_BLOCKS: u8 = 8;
 /// Factor by which a visible disturbance, or the square of its innovations, exceeds the expected
 /// square.
 const VISIBLE: f32 = 4.0;
@@ -38,10 +38,10 @@ pub(super) struct Ringing {
     /// Square of the last step, V².
     square: f32,
     /// Blocks since that step.
-    blocks: u16,
+    blocks: u8,
     /// Of these, blocks with an armed gate; and sums over them of the squares of innovations, A²,
     /// and of their expected values without the disturbance, A².
-    armed: u16,
+    armed: u8,
     innovations: f32,
     expected: f32,
     /// `true` if the next innovation matters.
