@@ -155,8 +155,8 @@ impl AmplitudeLoop {
     }
 
     /// Updates the drive voltage from the set point, the mean envelope of the measured block, and
-    /// its motional current. `holds`: no correction, because a measurement needs a steady drive.
-    pub(crate) fn update(&mut self, target: Amplitude, envelope: f32, motional_current: Phasor, holds: bool) {
+    /// its motional current.
+    pub(crate) fn update(&mut self, target: Amplitude, envelope: f32, motional_current: Phasor) {
         let target = if self.risen < 1.0 { self.rise_to(target) } else { target };
         let (Amplitude::Volts(set_point) | Amplitude::MotionalCurrent(set_point)) = target;
         self.set_point = set_point;
@@ -165,7 +165,7 @@ impl AmplitudeLoop {
                 self.settled_blocks = SETTLED_BLOCKS;
                 volts
             }
-            Amplitude::MotionalCurrent(amperes) => self.hold(amperes, envelope, motional_current, holds),
+            Amplitude::MotionalCurrent(amperes) => self.hold(amperes, envelope, motional_current),
         };
         let most = self.most_now();
         self.limited = set_point > most;
@@ -255,7 +255,7 @@ impl AmplitudeLoop {
         self.last_set_point_a = set_point;
     }
 
-    fn hold(&mut self, amperes: f32, envelope: f32, motional_current: Phasor, holds: bool) -> f32 {
+    fn hold(&mut self, amperes: f32, envelope: f32, motional_current: Phasor) -> f32 {
         if self.lag == 0.0 {
             // Without an identified transducer the voltage is unknown.
             return 0.0;
@@ -270,7 +270,7 @@ impl AmplitudeLoop {
         if self.last_set_point_a != ceiling {
             self.scale_voltage(ceiling);
         }
-        if holds || envelope != 1.0 || self.expected < MIN_RING_UP_REL * ceiling {
+        if envelope != 1.0 || self.expected < MIN_RING_UP_REL * ceiling {
             return self.integral_volts;
         }
         let motional_current = magnitude(motional_current);

@@ -120,7 +120,7 @@ impl Follow {
             let susceptance = chain.track.online.motional().y0.im;
             generator.amplitude.watch_current((on && played.pure).then_some(played.volts), motional, susceptance);
             let asked = self.asked(amplitude).derated(chain.guard.derating());
-            generator.amplitude.update(asked, envelope, at_lock_point, chain.track.online.probes());
+            generator.amplitude.update(asked, envelope, at_lock_point);
         }
         let volts = if !known {
             generator.amplitude.start_volts()

@@ -47,7 +47,7 @@ fn holds_the_current_when_the_load_triples_the_resistance() {
         let (ohm, q) = if n < 2000 { (3.0, 65.0) } else { (9.0, 22.0) };
         let lag = 32e-6 * core::f32::consts::PI * 40e3 / q;
         current += lag * (hold.volts() / ohm - current);
-        hold.update(Amplitude::MotionalCurrent(1.0), 1.0, current.into(), false);
+        hold.update(Amplitude::MotionalCurrent(1.0), 1.0, current.into());
         if n == 1999 {
             assert!((current - 1.0).abs() < 1e-3 && (hold.volts() - 3.0).abs() < 1e-2, "{current} {}", hold.volts());
         }
@@ -67,7 +67,7 @@ fn a_new_amplitude_takes_only_the_ring_up() {
         let blocks = if set_point == 1.0 { 2000 } else { 80 };
         for _ in 0..blocks {
             current += lag * (hold.volts() / 3.6 - current);
-            hold.update(Amplitude::MotionalCurrent(set_point), 1.0, current.into(), false);
+            hold.update(Amplitude::MotionalCurrent(set_point), 1.0, current.into());
         }
         assert!((current / set_point - 1.0).abs() < 0.01, "{set_point}: {current}");
     }
@@ -91,7 +91,7 @@ fn the_amplitude_returns_after_zero() {
             // Silence has no envelope, and a current below its noise reads as the noise.
             let noise = 1e-3;
             let envelope = if hold.volts() > 0.0 { 1.0 } else { 0.0 };
-            hold.update(Amplitude::MotionalCurrent(set_point), envelope, larger(current, noise).into(), false);
+            hold.update(Amplitude::MotionalCurrent(set_point), envelope, larger(current, noise).into());
             assert!(!(3990..4000).contains(&n) || hold.volts() == 0.0, "{n}: {}", hold.volts());
         }
         assert!((current - 1.0).abs() < 0.01, "{current}");
@@ -105,7 +105,7 @@ fn a_soft_start_rises_along_a_line() {
         let mut hold = AmplitudeLoop { rise: 0.01, ..amplitude_loop(1.0) };
         hold.seed(&transducer(65.0, 3.0), 0.0, 1.0);
         for n in 1..200 {
-            hold.update(set_point, 1.0, Phasor::default(), false);
+            hold.update(set_point, 1.0, Phasor::default());
             let part = (n as f32 * 0.01).min(1.0);
             assert!((hold.volts() - (from + part * (to - from))).abs() < 1e-4, "{n}: {}", hold.volts());
         }
@@ -115,7 +115,7 @@ fn a_soft_start_rises_along_a_line() {
     let (lag, mut current) = (32e-6 * core::f32::consts::PI * 40e3 / 65.0, 0.2);
     for n in 1..=1200 {
         current += lag * (hold.volts() / 3.0 - current);
-        hold.update(Amplitude::MotionalCurrent(1.0), 1.0, current.into(), false);
+        hold.update(Amplitude::MotionalCurrent(1.0), 1.0, current.into());
         let line = 0.2 + 0.8 * (n as f32 * 1e-3).min(1.0);
         // The current lags the set point by the ring-up, 16 blocks. Meanwhile the loop, with a time
         // constant of 83 blocks, finds the load.
@@ -129,7 +129,7 @@ fn an_amplitude_below_the_resolution_is_silence() {
     let mut hold = amplitude_loop(1.0);
     hold.seed(&transducer(65.0, 3.0), 0.0, 1.0);
     for (set_point, played) in [(1e-3, 1e-3), (1e-4, 1e-4), (0.9e-4, 0.0), (1e-30, 0.0), (1e-45, 0.0)] {
-        hold.update(Amplitude::Volts(set_point), 1.0, Phasor::default(), false);
+        hold.update(Amplitude::Volts(set_point), 1.0, Phasor::default());
         assert_eq!(hold.volts(), played, "{set_point:e}");
         assert!((1.0..=12.0 / 1e-4).contains(&hold.headroom()), "{set_point:e}: {}", hold.headroom());
     }
@@ -140,18 +140,18 @@ fn the_limit_is_never_exceeded_and_is_reported() {
     let mut hold = amplitude_loop(2.0);
     hold.seed(&transducer(65.0, 3.0), 0.0, 1.0);
     for set_point in [Amplitude::Volts(50.0), Amplitude::Volts(f32::INFINITY)] {
-        hold.update(set_point, 1.0, Phasor::default(), false);
+        hold.update(set_point, 1.0, Phasor::default());
         assert!(hold.volts() == 12.0 && hold.limited(), "{set_point:?}");
     }
     for set_point in [Amplitude::Volts(-3.0), Amplitude::Volts(f32::NAN)] {
-        hold.update(set_point, 1.0, Phasor::default(), false);
+        hold.update(set_point, 1.0, Phasor::default());
         assert_eq!(hold.volts(), 0.0, "{set_point:?}");
     }
     for current in [f32::NAN, f32::INFINITY, 0.0] {
         hold.expected = 0.0;
-        hold.update(Amplitude::MotionalCurrent(f32::NAN), 1.0, current.into(), false);
+        hold.update(Amplitude::MotionalCurrent(f32::NAN), 1.0, current.into());
         assert!(hold.volts() <= 1.0, "{current}: {}", hold.volts());
     }
-    hold.update(Amplitude::MotionalCurrent(2.0), 1.0, f32::NAN.into(), false);
+    hold.update(Amplitude::MotionalCurrent(2.0), 1.0, f32::NAN.into());
     assert!(hold.volts() <= 12.0);
 }
