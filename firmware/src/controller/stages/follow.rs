@@ -218,7 +218,8 @@ impl Follow {
         }
         let steady = level && !generator.amplitude.limited() && track.tracker.state() == State::Locked;
         let set_point = generator.amplitude.set_point();
-        let sample = online::Sample { sensed, relative: played.relative, detune_hz: played.detune_hz, set_point, steady };
+        let Played { relative, detune_hz, volts, .. } = *played;
+        let sample = online::Sample { sensed, relative, detune_hz, set_point, volts, steady };
         let output = track.online.step(&sample);
         self.probe_hz = output.detune_hz;
         if let Some(update) = output.update {

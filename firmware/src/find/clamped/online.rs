@@ -20,6 +20,7 @@ mod balance;
 use crate::find::clamped::online::balance::{Balance, Side};
 use crate::find::clamped::reading::Measured;
 use crate::seam::block::LATENCY_BLOCKS;
+use crate::seam::compare::is_step;
 use crate::seam::config::Config;
 use crate::seam::phasor::Phasor;
 use crate::sense::demod::Sensed;
@@ -76,6 +77,8 @@ pub struct Sample<'a> {
     pub detune_hz: f32,
     /// Set point of the amplitude, V or A.
     pub set_point: f32,
+    /// Peak voltage of the drive, V.
+    pub volts: f32,
     /// `true` if the loop is locked at a constant envelope of one, within all limits, and nothing
     /// else moves it off the lock point.
     pub steady: bool,
@@ -142,6 +145,8 @@ pub struct Online {
     wait: u8,
     /// Set point of the amplitude since the drive became steady, V or A.
     set_point: f32,
+    /// Peak voltage of the last block, V.
+    volts: f32,
 }
 
 /// Reason for a round.
@@ -191,6 +196,7 @@ impl Online {
             steady: 0,
             wait: WAITS.0,
             set_point: 0.0,
+            volts: 0.0,
         };
         online.set_resonance(resonance_hz, q);
         online
@@ -289,9 +295,12 @@ impl Online {
         self.settled = if stepped { 0 } else { self.settled.saturating_add(1) };
         self.last_hz = sample.detune_hz;
         let hold = self.settled < self.settle_blocks;
-        let changed = (sample.set_point - self.set_point).abs() > MAX_CHANGE_REL * sample.set_point;
-        if !sample.steady || changed {
+        let before_v = core::mem::replace(&mut self.volts, sample.volts);
+        if self.steady == 0 {
             self.set_point = sample.set_point;
+        }
+        let changed = (sample.set_point - self.set_point).abs() > MAX_CHANGE_REL * sample.set_point;
+        if !sample.steady || changed || self.steady > 0 && is_step(before_v, sample.volts) {
             self.stop();
             return Output { hold, ..Output::default() };
         }

@@ -27,7 +27,14 @@ fn first_update(c0_f: f32, q: f32, detuning: f32, turn: f32) -> (Update, u32) {
         let noise = if block % 2 == 0 { 1e-4 } else { -1e-4 };
         let i = admittance(c0_f, q, hz, turn) * 3.0 + Phasor::new(noise, -noise);
         let sensed = Sensed { v: Phasor::new(3.0, 0.0), i };
-        let output = online.step(&Sample { sensed: &sensed, relative: hz / NOMINAL_HZ, detune_hz, set_point: 3.0, steady: true });
+        let output = online.step(&Sample {
+            sensed: &sensed,
+            relative: hz / NOMINAL_HZ,
+            detune_hz,
+            set_point: 3.0,
+            volts: 3.0,
+            steady: true,
+        });
         if let Some(update) = output.update {
             return (update, block);
         }
@@ -54,7 +61,7 @@ fn no_round_if_unsteady_or_already_accurate() {
     let prior = Motional::of_capacitance(300e-9, NOMINAL_HZ);
     let mut online = Online::new(32e-6, prior, NOMINAL_HZ, 20.0, 0.1);
     let sensed = Sensed { v: Phasor::new(3.0, 0.0), i: admittance(300e-9, 20.0, NOMINAL_HZ, 0.0) * 3.0 };
-    let sample = Sample { sensed: &sensed, relative: 1.0, detune_hz: 0.0, set_point: 3.0, steady: false };
+    let sample = Sample { sensed: &sensed, relative: 1.0, detune_hz: 0.0, set_point: 3.0, volts: 3.0, steady: false };
     assert_eq!(online.step(&sample).detune_hz, 0.0);
     online.seed(prior, 1e-5, NOMINAL_HZ, 20.0);
     assert_eq!(online.step(&Sample { steady: true, ..sample }).detune_hz, 0.0);
