@@ -59,7 +59,7 @@ impl Locked {
         let mut online = online;
         self.rig.block(|exchange| {
             let Exchange { sensed, relative, .. } = exchange;
-            let block = Block { sensed, relative: *relative, detune_hz, set_point: VOLTS, volts: VOLTS, steady: true };
+            let block = Block { sensed, relative: *relative, detune_hz, volts: VOLTS, steady: true };
             let output = online.as_mut().map(|online| online.step(&block)).unwrap_or_default();
             let current = motional.current(sensed, *relative) * Phasor::new(1.0, detune_hz / half_hz);
             if !output.hold {

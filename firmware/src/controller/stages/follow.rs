@@ -216,10 +216,10 @@ impl Follow {
         if !track.online.listens(level, track.tracker.has_gate_opened()) {
             return;
         }
-        let steady = level && !generator.amplitude.limited() && track.tracker.state() == State::Locked;
-        let set_point = generator.amplitude.set_point();
-        let Played { relative, detune_hz, volts, .. } = *played;
-        let sample = online::Sample { sensed, relative, detune_hz, set_point, volts, steady };
+        let amplitude = &generator.amplitude;
+        let steady = level && !amplitude.limited() && !amplitude.is_stepped() && track.tracker.state() == State::Locked;
+        let sample =
+            online::Sample { sensed, relative: played.relative, detune_hz: played.detune_hz, volts: played.volts, steady };
         let output = track.online.step(&sample);
         self.probe_hz = output.detune_hz;
         if let Some(update) = output.update {

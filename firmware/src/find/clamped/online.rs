@@ -45,13 +45,6 @@ const TARGET_DEVIATION_REL: f32 = 7e-4;
 /// Standard deviation at the lock point of a branch measured elsewhere, relative to the motional
 /// conductance.
 const ELSEWHERE_DEVIATION_REL: f32 = 0.02;
-/// Maximum change of the amplitude's set point within a round, relative. Until the current has
-/// followed, the change looks like a susceptance of up to twice the change times the motional
-/// conductance.
-const MAX_CHANGE_REL: f32 = 1e-3;
-/// Smallest and largest number of settling times of steady drive before a round. The number doubles
-/// after a round for which the drive was not steady long enough.
-const WAITS: (u8, u8) = (1, 4);
 /// Range of plausible relative changes of C0 during operation.
 const PLAUSIBLE_CHANGE_REL: core::ops::Range<f32> = -0.6..1.5;
 /// Minimum error of the initial branch that is corrected, relative to the motional conductance:
@@ -75,8 +68,6 @@ pub struct Sample<'a> {
     pub relative: f32,
     /// Intended distance from the lock point, Hz.
     pub detune_hz: f32,
-    /// Set point of the amplitude, V or A.
-    pub set_point: f32,
     /// Peak voltage of the drive, V.
     pub volts: f32,
     /// `true` if the loop is locked at a constant envelope of one, within all limits, and nothing
@@ -141,10 +132,6 @@ pub struct Online {
     due: Due,
     /// Blocks of steady drive.
     steady: u32,
-    /// Settling times of steady drive before the next round.
-    wait: u8,
-    /// Set point of the amplitude since the drive became steady, V or A.
-    set_point: f32,
     /// Peak voltage of the last block, V.
     volts: f32,
 }
@@ -194,8 +181,6 @@ impl Online {
             doubted: false,
             due: Due::Begun,
             steady: 0,
-            wait: WAITS.0,
-            set_point: 0.0,
             volts: 0.0,
         };
         online.set_resonance(resonance_hz, q);
@@ -211,7 +196,6 @@ impl Online {
         self.slope = Phasor::new(0.0, 0.0);
         (self.doubted, self.due, self.settled) = (false, Due::Begun, u32::MAX);
         self.stop();
-        self.wait = WAITS.0;
     }
 
     /// Omits all rounds of a lock: another resonance is within about a bandwidth, so that the scan
@@ -296,17 +280,13 @@ impl Online {
         self.last_hz = sample.detune_hz;
         let hold = self.settled < self.settle_blocks;
         let before_v = core::mem::replace(&mut self.volts, sample.volts);
-        if self.steady == 0 {
-            self.set_point = sample.set_point;
-        }
-        let changed = (sample.set_point - self.set_point).abs() > MAX_CHANGE_REL * sample.set_point;
-        if !sample.steady || changed || self.steady > 0 && is_step(before_v, sample.volts) {
+        if !sample.steady || self.steady > 0 && is_step(before_v, sample.volts) {
             self.stop();
             return Output { hold, ..Output::default() };
         }
         self.steady = self.steady.saturating_add(1);
         // An incomplete ring-up would look like a susceptance.
-        if self.round == 0 && (self.steady < u32::from(self.wait) * self.settle_blocks || self.has_little_drift()) {
+        if self.round == 0 && (self.steady < self.settle_blocks || self.has_little_drift()) {
             return Output { hold, ..Output::default() };
         }
         self.listen(sample, hold);
@@ -315,16 +295,11 @@ impl Online {
             return Output { detune_hz: self.probe_hz(), hold, update: None };
         }
         let update = self.finish();
-        self.wait = WAITS.0;
         self.begin();
         Output { hold, update, ..Output::default() }
     }
 
     fn stop(&mut self) {
-        if self.round > 0 {
-            let fits = self.steady >= self.settle_blocks + self.round_blocks() + LATENCY_BLOCKS as u32;
-            self.wait = if fits { WAITS.0 } else { WAITS.1.min(2 * self.wait) };
-        }
         self.steady = 0;
         self.begin();
     }

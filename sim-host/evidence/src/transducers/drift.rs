@@ -87,13 +87,7 @@ pub(crate) fn evidence(options: &mut Options) -> Result<Evidence, Error> {
     let (number, duration_s) = RUNS[usize::from(options.quick)];
     let number = options.count.unwrap_or(number);
     (options.progress)(&format!("{number} transducers, {duration_s} s each"));
-    let set = each(number, options.stop, |number| {
-        run(
-            &Transducer::draw(std::env::var("DBG").map_or(number, |n| n.parse().unwrap())),
-            std::env::var("DUR").map_or(duration_s, |n| n.parse().unwrap()),
-            options.stop,
-        )
-    })?;
+    let set = each(number, options.stop, |number| run(&Transducer::draw(number), duration_s, options.stop))?;
     let title = "Drift: temperature, load steps, bursts and amplitude at once";
     let subtitle = "Simulated: the controller on the host against the simulated stack and its converters";
     let columns = "kind,fault,locked,doubtful,poor,bias,rms,command";
@@ -178,31 +172,6 @@ fn run(transducer: &Transducer, duration_s: f64, stop: Option<&AtomicBool>) -> R
     let is_doubtful = |row: &Row| DOUBTS.iter().any(|limit| *limit as u8 == row.limit);
     let is_judged = |row: &&&Row| row.envelope == 1.0 && !row.probes() && is_settled(row) && !is_doubtful(row);
     let errors: Vec<f64> = locked.iter().filter(is_judged).map(|row| error(row)).collect();
-    if std::env::var("DBG").is_ok() {
-        eprintln!("Q {} fs {} steps {:?}", transducer.q, transducer.hz, steps_s);
-        let mut bin: std::collections::BTreeMap<i64, Vec<(f64, f64, f64, f64)>> = Default::default();
-        for row in locked.iter().filter(|row| row.envelope == 1.0 && !row.probes() && is_settled(row) && !is_doubtful(row)) {
-            let est = (row.resonance_estimate_hz - row.truth.series_resonance_hz) * transducer.q / row.truth.series_resonance_hz;
-            bin.entry(row.time_s as i64).or_default().push((
-                error(row),
-                est,
-                (row.truth.series_resonance_hz / transducer.hz - 1.0) * transducer.q,
-                row.drive_v,
-            ));
-        }
-        for (t, v) in bin {
-            let n = v.len() as f64;
-            let m = |f: fn(&(f64, f64, f64, f64)) -> f64| v.iter().map(f).sum::<f64>() / n;
-            eprintln!(
-                "{t:4} n{:6} e {:+.5} est {:+.5} drift {:+.3} v {:.3}",
-                v.len(),
-                m(|x| x.0),
-                m(|x| x.1),
-                m(|x| x.2),
-                m(|x| x.3)
-            );
-        }
-    }
     let part = |runs: usize, of: usize| runs as f64 / of.max(1) as f64;
     Ok(Drifted {
         kind: transducer.kind,

@@ -10,9 +10,9 @@ use crate::seam::compare::{larger, smaller};
 use crate::seam::phasor::Phasor;
 
 /// Number of blocks after a step that are evaluated.
-const WINDOW_BLOCKS: u8 = 64;
+const WINDOW_BLOCKS: u16 = 64;
 /// Smallest number of blocks that are evaluated.
-const MIN_BLOCKS: u8 = 8;
+const MIN_BLOCKS: u16 = 8;
 /// Factor by which a visible disturbance, or the square of its innovations, exceeds the expected
 /// square.
 const VISIBLE: f32 = 4.0;
@@ -21,7 +21,7 @@ const OVER: f32 = 1e-3;
 /// Weight of earlier steps against the last one.
 const MEMORY: f32 = 0.5;
 /// Part of the difference from the innovations that the variance follows in a block.
-const FOLLOWED: f32 = 1.0 / 16.0;
+const FOLLOWED: f32 = 1.0 / 32.0;
 /// Largest square of an innovation that the variance follows, relative to it: with more, it would
 /// follow a jump of the load, and the gate would stay shut.
 const MAX_FOLLOWED: f32 = 2.0;
@@ -37,11 +37,9 @@ pub(super) struct Ringing {
     squares: f32,
     /// Square of the last step, V².
     square: f32,
-    /// Blocks since that step.
-    blocks: u8,
-    /// Of these, blocks with an armed gate; and sums over them of the squares of innovations, A²,
-    /// and of their expected values without the disturbance, A².
-    armed: u8,
+    /// Since that step: number of blocks, and sums of the squares of innovations, A², and of their
+    /// expected values without the disturbance, A².
+    blocks: u16,
     innovations: f32,
     expected: f32,
     /// `true` if the next innovation matters.
@@ -68,7 +66,7 @@ impl Ringing {
         self.evaluate();
         // An edge takes several blocks, each with a step.
         self.square = if self.blocks == 0 { self.square + square } else { square };
-        (self.blocks, self.armed, self.innovations, self.expected, self.listens) = (0, 0, 0.0, 0.0, true);
+        (self.blocks, self.innovations, self.expected, self.listens) = (0, 0.0, 0.0, true);
         self.variance += self.per_square * square;
     }
 
@@ -80,26 +78,22 @@ impl Ringing {
     }
 
     /// Takes an innovation, A, the expected value of its square, A², and the factor by which the
-    /// free current changes in a block. `armed`: the gate is armed; else the expected value is
-    /// mostly that of an unknown resonance.
+    /// free current changes in a block.
     // Not inlined: the fast memory of a board has no room for it.
     #[inline(never)]
-    pub(super) fn take(&mut self, innovation: Phasor, expected: f32, decay: Phasor, armed: bool) {
+    pub(super) fn take(&mut self, innovation: Phasor, expected: f32, decay: Phasor) {
         let (innovation, expected) = (innovation.norm_sqr(), expected - self.variance);
         self.variance *= smaller(decay.norm_sqr(), 1.0);
-        if armed && self.variance > expected {
+        if self.variance > expected {
             let seen = smaller(innovation, MAX_FOLLOWED * self.variance);
             self.variance += FOLLOWED * (seen - expected - self.variance);
-        } else if armed && self.variance < OVER * expected {
+        } else if self.variance < OVER * expected {
             self.variance = 0.0;
         }
         if self.blocks < WINDOW_BLOCKS {
             self.blocks += 1;
-            if armed {
-                self.armed += 1;
-                self.innovations += innovation;
-                self.expected += expected;
-            }
+            self.innovations += innovation;
+            self.expected += expected;
         } else {
             self.listens = self.variance > 0.0;
         }
@@ -108,7 +102,7 @@ impl Ringing {
     /// Learns from the blocks since the last step, if the disturbance was visible or should have
     /// been.
     fn evaluate(&mut self) {
-        let excited = self.square * f32::from(self.armed);
+        let excited = self.square * f32::from(self.blocks);
         let visible = larger(self.innovations, self.per_square * excited) > VISIBLE * self.expected;
         if visible && self.blocks >= MIN_BLOCKS && excited > 0.0 {
             let earlier = MEMORY * self.squares;
