@@ -117,6 +117,8 @@ pub struct Online {
     step_hz: f32,
     settle_blocks: u32,
     quarter_blocks: u32,
+    /// Blocks of a round: three settling times and four quarters, two of them in the middle.
+    round_blocks: u32,
     /// Growth of `variance` per block: the random walk whose standard deviation after a round
     /// equals a steady drift during it.
     wander: f32,
@@ -173,6 +175,7 @@ impl Online {
             step_hz: 0.0,
             settle_blocks: 0,
             quarter_blocks: 0,
+            round_blocks: 0,
             wander: 0.0,
             round: 0,
             settled: 0,
@@ -216,8 +219,9 @@ impl Online {
         self.step_hz = STEP_HALF_BANDWIDTHS * 0.5 * resonance_hz / q;
         self.settle_blocks = (SETTLE_TIME_CONSTANTS * tau_blocks) as u32 + 1;
         self.quarter_blocks = QUARTER_BLOCKS.max(QUARTER_TIME_CONSTANTS * tau_blocks) as u32;
+        self.round_blocks = 3 * self.settle_blocks + 4 * self.quarter_blocks;
         let wandered = self.drift_per_s * self.block_s;
-        self.wander = wandered * wandered * self.round_blocks() as f32;
+        self.wander = wandered * wandered * self.round_blocks as f32;
     }
 
     /// Returns `true` during a round, when the drive is off the lock point on purpose.
@@ -242,7 +246,7 @@ impl Online {
 
     /// Returns the relative standard deviation of the susceptance of the clamped branch.
     pub(crate) fn deviation(&self) -> f32 {
-        fpu::sqrtf(self.variance)
+        libm::sqrtf(self.variance)
     }
 
     /// Returns `true` if the block must be passed to [`step`](Self::step); other blocks need no
@@ -291,7 +295,7 @@ impl Online {
         }
         self.listen(sample, hold);
         self.round += 1;
-        if self.round <= self.round_blocks() + LATENCY_BLOCKS as u32 {
+        if self.round <= self.round_blocks + LATENCY_BLOCKS as u32 {
             return Output { detune_hz: self.probe_hz(), hold, update: None };
         }
         let update = self.finish();
@@ -323,17 +327,11 @@ impl Online {
         }
     }
 
-    /// Returns the blocks of a round: three settling times and four quarters, two of them in the
-    /// middle.
-    fn round_blocks(&self) -> u32 {
-        3 * self.settle_blocks + 4 * self.quarter_blocks
-    }
-
     fn probe_hz(&self) -> f32 {
         let first = self.settle_blocks + self.quarter_blocks;
         let second = first + self.settle_blocks + 2 * self.quarter_blocks;
         match self.round {
-            n if n > self.round_blocks() => 0.0,
+            n if n > self.round_blocks => 0.0,
             n if n > first && n <= second => -self.step_hz,
             _ => self.step_hz,
         }
@@ -387,7 +385,7 @@ impl Online {
         }
         self.doubted = false;
         self.due = Due::Drift;
-        let was_off = begun.then(|| (found.abs() - MARGIN_SIGMAS * fpu::sqrtf(variance)).max(0.0) / conductance);
+        let was_off = begun.then(|| (found.abs() - MARGIN_SIGMAS * libm::sqrtf(variance)).max(0.0) / conductance);
 
         let gain = if agrees { 0.0 } else { self.variance / (self.variance + variance) };
         self.variance *= 1.0 - gain;
@@ -396,7 +394,7 @@ impl Online {
         Some(Update {
             motional: self.motional,
             deviation: self.deviation(),
-            round: (found, fpu::sqrtf(variance)),
+            round: (found, libm::sqrtf(variance)),
             was_off,
             q: Measured { value: q.value * self.unsettled(), ..q },
         })

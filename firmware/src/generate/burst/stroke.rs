@@ -66,7 +66,7 @@ impl CurrentRoom {
     #[cold]
     #[inline(never)]
     pub(crate) fn volts(&self, vibration: f32) -> f32 {
-        fpu::sqrtf(larger(self.most - vibration * vibration * self.motional, 0.0) / self.clamped)
+        libm::sqrtf(larger(self.most - vibration * vibration * self.motional, 0.0) / self.clamped)
     }
 }
 
