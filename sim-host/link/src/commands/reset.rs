@@ -24,14 +24,19 @@ pub fn run(session: &mut Session) -> Result<Answer, LinkError> {
     session.client.order(Command::Reset)?;
     session.mark_silent();
     let until = ordered + RESTART_TIMEOUT;
-    session.identity = loop {
-        match session.client.connect() {
-            Ok(identity) => break identity,
+    // A board whose answers are late may begin the new session, and then restart.
+    let report = loop {
+        let answered = session.client.connect().and_then(|identity| {
+            session.identity = identity;
+            session.client.status()
+        });
+        match answered {
+            Ok(report) => break report,
             Err(error) if error.is_lost() && session.client.now() < until => {}
             Err(error) => return Err(error),
         }
     };
-    let age_s = session.client.status()?.map_or(0.0, |report| block_s * f64::from(report.block));
+    let age_s = report.map_or(0.0, |report| block_s * f64::from(report.block));
     let passed_s = (session.client.now() - ordered).as_secs_f64();
     if age_s > (1.0 + CLOCK_SKEW_REL) * passed_s + AGE_MARGIN_S {
         return Err(LinkError::Failed("the board has not restarted: the order has not arrived. Try again".into()));
