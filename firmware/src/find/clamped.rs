@@ -305,7 +305,7 @@ impl PowerOn {
         let square = |x: f32| x * x;
         // The noise bandwidth of a Hann window is 1.5 times that of a rectangular one.
         let noise = 1.5 * (self.noise.0 + y.norm_sqr() * self.noise.1) / self.tone_blocks as f32;
-        self.fit.add(Point { x, y, deviation: libm::sqrtf(noise + square(MIN_RESIDUAL_REL)) });
+        self.fit.add(Point { x, y, deviation: fpu::sqrtf(noise + square(MIN_RESIDUAL_REL)) });
     }
 
     fn judge(&self, solution: &Solution, found: &Clamped) -> Result<(), Refused> {

@@ -96,7 +96,7 @@ impl<const N: usize> RealTriangle<N> {
             }
             later = rest;
         }
-        libm::sqrtf(square)
+        fpu::sqrtf(square)
     }
 
     /// Returns the sum of squared residuals.
@@ -166,7 +166,7 @@ impl<const N: usize> ComplexTriangle<N> {
             if square == 0.0 {
                 continue;
             }
-            let scale = 1.0 / libm::sqrtf(square);
+            let scale = 1.0 / fpu::sqrtf(square);
             let (a, b) = (a * scale, b * scale);
             let columns = pivot..unknowns;
             for (x, y) in self.rows[pivot][columns.clone()].iter_mut().zip(&mut self.row[columns]) {
@@ -213,7 +213,7 @@ impl<const N: usize> ComplexTriangle<N> {
             let rest = (0..n).fold(gradient[n], |rest, k| rest - self.rows[k][n] * z[k]);
             z[n] = rest / self.rows[n][n];
         }
-        let scale = libm::sqrtf(self.variance());
+        let scale = fpu::sqrtf(self.variance());
         z.map(|part| part * scale)
     }
 }

@@ -118,5 +118,5 @@ impl FoldBack {
 #[inline(always)]
 fn newton_step(root: f32, square: f32) -> f32 {
     let near = root > 0.0 && square <= MAX_NEWTON_RATIO * root * root;
-    if near { 0.5 * (root + square / root) } else { libm::sqrtf(square) }
+    if near { 0.5 * (root + square / root) } else { fpu::sqrtf(square) }
 }

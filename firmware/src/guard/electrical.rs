@@ -154,7 +154,7 @@ fn tripped_by(sense: &SenseBlock) -> Fault {
 #[cold]
 #[inline(never)]
 fn is_explained_by_source(played: f32, voltage: f32, current: f32) -> bool {
-    let expected = played - LARGEST_OHM * libm::sqrtf(current);
+    let expected = played - LARGEST_OHM * fpu::sqrtf(current);
     expected <= 0.0 || SQUARE_FACTOR * voltage >= expected * expected
 }
 

@@ -12,9 +12,9 @@ const TAU: f32 = core::f32::consts::TAU;
 /// Largest tangent for which the series is used.
 const SMALL_TANGENT: f32 = 0.125;
 
-/// Returns the magnitude. `libm` and not the processor's square root, so that every target agrees.
+/// Returns the magnitude.
 pub fn magnitude(x: Phasor) -> f32 {
-    libm::sqrtf(x.norm_sqr())
+    fpu::sqrtf(x.norm_sqr())
 }
 
 /// Returns the argument, in (-0.5, 0.5] turns. Near zero, where a tracker operates, a series is

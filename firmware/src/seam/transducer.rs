@@ -117,7 +117,7 @@ impl LockQuality {
     /// Raises the loss to `1 - 1 / sqrt(1 + x^2)`, that of a motional phase with the tangent `x`.
     pub(crate) fn turn(&mut self, tangent: f32) {
         let square = tangent * tangent;
-        let root = libm::sqrtf(1.0 + square);
+        let root = fpu::sqrtf(1.0 + square);
         self.loss = larger(self.loss, square / (root * (root + 1.0)));
     }
 

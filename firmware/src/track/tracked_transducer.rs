@@ -123,7 +123,7 @@ impl TrackedTransducer {
     /// Returns the rms noise of a block's motional current, A.
     fn noise_a(&self, branch: &Motional) -> f32 {
         let (v, i) = self.noise;
-        libm::sqrtf(i + branch.y0.norm_sqr() * v)
+        fpu::sqrtf(i + branch.y0.norm_sqr() * v)
     }
 
     /// Returns the series resonance, Hz, and Q of the last tracked transducer. Returns `None` if

@@ -128,7 +128,7 @@ impl Stroke {
         // up to its middle. For long slips a quadratic guess is as good; it is too large forward
         // and too small backward.
         let target = CUT_EXPONENT / self.kappa;
-        let mut u = libm::sqrtf(2.0 * target / self.sine).min(self.half);
+        let mut u = fpu::sqrtf(2.0 * target / self.sine).min(self.half);
         for _ in 0..NEWTON_STEPS {
             let (slip, slope) = self.slip(u);
             u = within(u - (slip - target) / slope.max(f32::MIN_POSITIVE), 0.0, self.half);
@@ -181,7 +181,7 @@ impl Evaluation {
         match self.step {
             1 => {
                 let (xi, kappa) = (self.xi, self.strokes[0].kappa);
-                let sine = libm::sqrtf((1.0 - xi) * (1.0 + xi));
+                let sine = fpu::sqrtf((1.0 - xi) * (1.0 + xi));
                 self.strokes[1] = Stroke::new(libm::atan2f(sine, xi), sine, xi, kappa);
             }
             2 => {
@@ -231,13 +231,13 @@ pub fn coulomb(xi: f32) -> f32 {
 
 /// Computes `asin x` for 0 to 1 in single precision; the library function uses double precision.
 fn arc_sine(x: f32) -> f32 {
-    libm::atan2f(x, libm::sqrtf((1.0 - x) * (1.0 + x)))
+    libm::atan2f(x, fpu::sqrtf((1.0 - x) * (1.0 + x)))
 }
 
 /// Computes the limit of the ratio for kappa to zero, where the friction is constant: net slip over
 /// slip, `(pi/2) xi / (xi asin xi + sqrt(1 - xi^2))`.
 fn limit(xi: f32) -> f32 {
-    let ratio = 0.5 * PI * xi / (xi * arc_sine(xi) + libm::sqrtf((1.0 - xi) * (1.0 + xi)));
+    let ratio = 0.5 * PI * xi / (xi * arc_sine(xi) + fpu::sqrtf((1.0 - xi) * (1.0 + xi)));
     if ratio < 1.0 { ratio } else { 1.0 }
 }
 

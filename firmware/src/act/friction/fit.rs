@@ -219,7 +219,7 @@ impl Fit {
     fn contact(&self) -> Contact {
         let ([a, b, c], _) = self.normal();
         let [length, scale] = self.best.place;
-        let length_deviation = libm::sqrtf(c / (a * c - b * b));
+        let length_deviation = fpu::sqrtf(c / (a * c - b * b));
         Contact { dahl_length_m: libm::expf(length), scale: libm::expf(scale), length_deviation }
     }
 

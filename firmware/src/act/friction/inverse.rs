@@ -63,7 +63,7 @@ impl Inverse {
     pub(crate) fn new(target: f32, lambda: f32, least_xi: f32) -> Self {
         let target = if target < 1.0 { target } else { 1.0 };
         let least_xi = if least_xi < 1.0 { least_xi.max(0.0) } else { 1.0 };
-        let at = libm::sqrtf(1.0 - least_xi);
+        let at = fpu::sqrtf(1.0 - least_xi);
         let evaluation = evaluation(at, lambda);
         let above = (0.0, 1.0 - target);
         Inverse { target, lambda, floor: 1.0, above, below: (at, 0.0), at, evaluation, evaluations: 0, replaced: None }

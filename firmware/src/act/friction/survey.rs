@@ -248,7 +248,7 @@ impl Survey {
         let smallest = (self.speed / SMALLEST_AMPLITUDE_XI).min(self.max_tip_m_per_s);
         match n {
             0 => self.max_tip_m_per_s,
-            1 => libm::sqrtf(self.max_tip_m_per_s * smallest),
+            1 => fpu::sqrtf(self.max_tip_m_per_s * smallest),
             _ => smallest,
         }
     }

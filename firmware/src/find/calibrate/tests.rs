@@ -55,7 +55,7 @@ impl Errors {
         let pole = hz / self.pole_hz[lane];
         let turns = -hz * self.delay_s[lane] - libm::atanf(pole) / core::f32::consts::TAU;
         sine::rotation((f64::from(turns) * 18_446_744_073_709_551_616.0) as i64 as u64) * self.gain[lane]
-            / libm::sqrtf(1.0 + pole * pole)
+            / fpu::sqrtf(1.0 + pole * pole)
     }
 }
 
@@ -247,7 +247,7 @@ fn one_code_of_noise_leaves_the_stated_error() {
             }
         }
     }
-    let (degrees, part) = (360.0 * libm::sqrtf(turns / count), libm::sqrtf(gains / count));
+    let (degrees, part) = (360.0 * fpu::sqrtf(turns / count), fpu::sqrtf(gains / count));
     std::println!("rms of the noise: {degrees:.4} degrees, {:.4} %", 100.0 * part);
     // From 150 samples of each: within a fifth.
     assert!(

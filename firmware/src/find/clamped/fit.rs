@@ -209,7 +209,7 @@ impl Fit {
 
     /// Starts the iteration from the result of the linear fit.
     fn start(&mut self) {
-        let resonance = |w: f32| libm::sqrtf((1.0 + w).clamp(0.6, 1.6)) - 1.0;
+        let resonance = |w: f32| fpu::sqrtf((1.0 + w).clamp(0.6, 1.6)) - 1.0;
         let mut e = Elements::default();
         e[D] = self.loss;
         if self.stage == Stage::StartOne {
@@ -218,7 +218,7 @@ impl Fit {
             self.stage = Stage::One;
         } else {
             let [a, b, c, slope, p, ..] = self.triangle.solve();
-            let apart = libm::sqrtf((a * a - 4.0 * b).max(1e-4));
+            let apart = fpu::sqrtf((a * a - 4.0 * b).max(1e-4));
             let roots = [0.5 * (-a - apart), 0.5 * (-a + apart)];
             let strength = |w: f32, other: f32| (c * w * w + slope * w + p) / (other - w);
             let strengths = [strength(roots[0], roots[1]), strength(roots[1], roots[0])];
@@ -280,7 +280,7 @@ impl Fit {
             return false;
         }
         let freedom = (2 * self.points.len()).saturating_sub(unknowns).max(1) as f32;
-        let misfit = libm::sqrtf(self.triangle.rest() / freedom);
+        let misfit = fpu::sqrtf(self.triangle.rest() / freedom);
         let part = |best: &Solution| if best.elements[K2] == 0.0 { MAX_MISFIT_RATIO } else { 1.0 };
         let better = self.best.as_ref().is_none_or(|best| misfit < part(best) * best.misfit && is_plausible(&self.elements));
         // In place, since moving a factor takes long.

@@ -2,7 +2,7 @@
 
 use crate::find::clamped::fit::Solution;
 use crate::find::clamped::model::{self, C, D, D2, Elements, G, H, K, K2, THETA, UNKNOWNS, X2, XS, turn};
-use crate::seam::phasor::Phasor;
+use crate::seam::phasor::{Phasor, magnitude};
 use crate::seam::transducer::LockQuality;
 use crate::sense::motional::Motional;
 
@@ -117,7 +117,7 @@ pub(crate) fn read(solution: &Solution, deviations: &Deviations, nominal_hz: f32
     let y0 = branch(e).0 * (TAU * nominal_hz * nominal_c0_f);
     let lm_h = 1.0 / (TAU * TAU * nominal_hz * nominal_hz * e[K] * nominal_c0_f);
     let hz = nominal_hz * us;
-    let apart = || libm::hypotf(2.0 * (e[X2] - e[XS]), e[D2]);
+    let apart = || magnitude(Phasor::new(2.0 * (e[X2] - e[XS]), e[D2]));
     let others = if e[K2] != 0.0 { e[K2] / e[K] * e[D] / apart() } else { 0.0 };
     Clamped {
         motional: Motional { y0: Phasor::new(y0.re, y0.im / us), axis },

@@ -88,13 +88,13 @@ impl Circuit {
         let c0_f = (self.y0 + self.slope(offset_hz)).im / (TAU * hz);
         Transducer {
             series_resonance_hz: hz,
-            parallel_resonance_hz: hz * libm::sqrtf(1.0 + cm_f / c0_f),
+            parallel_resonance_hz: hz * fpu::sqrtf(1.0 + cm_f / c0_f),
             q,
             rm_ohm,
             lm_h,
             cm_f,
             c0_f,
-            coupling: libm::sqrtf(cm_f / (c0_f + cm_f)),
+            coupling: fpu::sqrtf(cm_f / (c0_f + cm_f)),
             ..Transducer::default()
         }
     }

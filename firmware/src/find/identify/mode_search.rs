@@ -219,7 +219,7 @@ impl ModeSearch {
 
     /// Returns the quality of a lock on one of the resonances found, as far as the fit shows it.
     pub(crate) fn quality(&self, which: usize) -> LockQuality {
-        LockQuality::new(0.0, self.certain.circuit.others_share(which), libm::sqrtf(self.certain.variance / self.tolerated))
+        LockQuality::new(0.0, self.certain.circuit.others_share(which), fpu::sqrtf(self.certain.variance / self.tolerated))
     }
 
     fn seek(&mut self, spectrum: &Spectrum, best: (f32, usize), sum: f32, largest: f32) {

@@ -129,7 +129,7 @@ impl PoleFit {
             *phi = circuit.phi(pole, offset_hz);
             y += pole.conductance * *phi;
         }
-        let weight = 1.0 / libm::sqrtf(1.0 + self.noise_ohm * self.noise_ohm * y.norm_sqr());
+        let weight = 1.0 / fpu::sqrtf(1.0 + self.noise_ohm * self.noise_ohm * y.norm_sqr());
         let (v, i) = (line.v * weight, (line.i - line.v * fixed) * weight);
         let mut row = [ZERO; MAX_UNKNOWNS];
         (row[0], row[1]) = (v, ONE * weight);

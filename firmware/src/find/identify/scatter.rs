@@ -79,6 +79,6 @@ impl Products {
         let both = crossed(p, g, self.pole_strength) + crossed(p, y, self.pole_y0) + crossed(g, y, self.strength_y0);
         let variance = 0.5 * squares + both;
         // Rounding may make the variance negative.
-        if variance > 0.0 { libm::sqrtf(variance) } else { 0.0 }
+        if variance > 0.0 { fpu::sqrtf(variance) } else { 0.0 }
     }
 }

@@ -90,7 +90,7 @@ fn widen(transducer: &mut Transducer, phase_rad: f32) {
     let Transducer { series_resonance_hz: hz, parallel_resonance_hz, q, rm_ohm, lm_h, cm_f, c0_f, coupling, deviations, .. } =
         transducer;
     if phase_rad > 0.0 {
-        let add = |deviation: &mut f32, size: f32| *deviation = libm::sqrtf(*deviation * *deviation + size * size);
+        let add = |deviation: &mut f32, size: f32| *deviation = fpu::sqrtf(*deviation * *deviation + size * size);
         add(&mut deviations.series_resonance_hz, 0.5 * phase_rad * *hz / *q);
         add(&mut deviations.q, phase_rad * *q);
         add(&mut deviations.rm_ohm, phase_rad * *rm_ohm);

@@ -106,7 +106,7 @@ mod tests {
             ring.advance(0.0, 32);
             ring.end_block();
             let retained = libm::expf(-2e-3 * 32.0);
-            measured.push(truth * libm::sqrtf(retained));
+            measured.push(truth * fpu::sqrtf(retained));
             truth *= retained;
             if n >= LATENCY_BLOCKS {
                 // The measured block ended a block ago.

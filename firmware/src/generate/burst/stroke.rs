@@ -66,7 +66,7 @@ impl CurrentRoom {
     #[cold]
     #[inline(never)]
     pub(crate) fn volts(&self, vibration: f32) -> f32 {
-        libm::sqrtf(larger(self.most - vibration * vibration * self.motional, 0.0) / self.clamped)
+        fpu::sqrtf(larger(self.most - vibration * vibration * self.motional, 0.0) / self.clamped)
     }
 }
 

@@ -112,7 +112,7 @@ impl Noise {
     fn rms(&self) -> f32 {
         let mut sections = self.sections;
         let response = (0..RESPONSE_SAMPLES).map(|n| filter(&mut sections, if n == 0 { 1.0 } else { 0.0 }));
-        libm::sqrtf(response.map(|y| y * y).sum::<f32>() / 3.0)
+        fpu::sqrtf(response.map(|y| y * y).sum::<f32>() / 3.0)
     }
 }
 

@@ -129,7 +129,7 @@ impl Learning {
     pub(crate) fn advance(&mut self) {
         let Learning { transducer, spread, resonance, strength, clamped, part, phase_rad, parts_left, .. } = self;
         let Transducer { series_resonance_hz: hz, q, cm_f, c0_f, deviations, .. } = transducer;
-        let root = |sum: f32| libm::sqrtf(sum);
+        let root = |sum: f32| fpu::sqrtf(sum);
         let square = |x: f32| x * x;
         // Independent relative deviations add up in squares. `Cm = 1 / (w^2 Lm)` and
         // `fp / fs = sqrt(1 + Cm / C0)`, in which the resonance cancels a part of its own effect

@@ -208,7 +208,7 @@ impl Edges {
         let room = current_room(amplitude, 1.0 / per_ampere.norm_sqr(), chain.track.tracker.branch().y0);
         burst.set_rate(rate / self.sample_hz, *samples);
         burst.set_room(room);
-        let driven = smaller(volts, libm::sqrtf(room.most / (room.motional + room.clamped)));
+        let driven = smaller(volts, fpu::sqrtf(room.most / (room.motional + room.clamped)));
         let ceiling = smaller(larger(room.volts(volts), driven), amplitude.most_volts());
         let half_cycles = 2.0 * resonance_hz / rate;
         let other_mode = chain.track.other_mode;

@@ -106,7 +106,7 @@ impl Balance {
             susceptance: b,
             variance,
             conductance: 0.5 * (yb.re + ya.re),
-            q: Measured { value: q, deviation: q * libm::sqrtf(relative) },
+            q: Measured { value: q, deviation: q * fpu::sqrtf(relative) },
         })
     }
 }

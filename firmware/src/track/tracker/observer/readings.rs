@@ -26,7 +26,7 @@ pub struct Spread {
 impl Spread {
     /// Returns the standard deviation of the resonance, Hz.
     pub(crate) fn deviation_hz(&self) -> f32 {
-        libm::sqrtf(0.5 * self.pole) * self.hz_per_radian
+        fpu::sqrtf(0.5 * self.pole) * self.hz_per_radian
     }
 }
 
@@ -130,7 +130,7 @@ impl Observer {
     /// Returns the relative standard deviation of the inductance.
     #[cfg(test)]
     pub(crate) fn strength_deviation(&self) -> f32 {
-        libm::sqrtf(self.covariance.strength)
+        fpu::sqrtf(self.covariance.strength)
     }
 
     /// Resets the rate. Called after every block, this shows in a study the effect of the second
