@@ -38,6 +38,8 @@ pub struct Row {
     pub drive_v: f64,
     /// Command: mean envelope that played.
     pub envelope: f64,
+    /// Command: it was off resonance on purpose, unlike the present one.
+    probes: bool,
     /// Time at the end of this block that a fault dropped and made silent, s.
     pub dropped_s: f64,
     /// Swing of the codes that played.
@@ -179,12 +181,17 @@ impl Record {
     }
 }
 
+/// Smallest relative difference between a frequency off resonance on purpose and the resonance, for
+/// Q below 7500.
+const MIN_STEP_REL: f64 = 1e-5;
+
 /// Command of a block, until it plays.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Command {
     word: u64,
     drive_v: f64,
     envelope: f64,
+    probes: bool,
     /// Time at the end of the block that was dropped, s.
     pub dropped_s: f64,
 }
@@ -198,15 +205,16 @@ impl Command {
     /// Extracts the command from the telemetry that accompanied its codes.
     pub fn from_telemetry(telemetry: &Telemetry) -> Self {
         let (drive_v, envelope) = (telemetry.drive.0.into(), telemetry.envelope.into());
-        Command { word: telemetry.tuning_word, drive_v, envelope, dropped_s: 0.0 }
+        let probes = telemetry.limit == Some(Limit::Probing);
+        Command { word: telemetry.tuning_word, drive_v, envelope, probes, dropped_s: 0.0 }
     }
 }
 
 impl Row {
     /// Returns `true` if the controller drives off resonance on purpose, to measure the clamped
-    /// branch.
+    /// branch, or if a step of an interrupted measurement still plays.
     pub fn probes(&self) -> bool {
-        self.limit == Limit::Probing as u8
+        self.probes || self.limit == Limit::Probing as u8
     }
 
     /// Creates the row of a block in which `command` played.
@@ -232,6 +240,7 @@ impl Row {
             frequency_hz: command.frequency_hz(sample_hz),
             drive_v: command.drive_v * command.envelope,
             envelope: command.envelope,
+            probes: command.probes && (command.word as f64 / telemetry.tuning_word as f64 - 1.0).abs() > MIN_STEP_REL,
             dropped_s: command.dropped_s,
             swing,
             resonance_estimate_hz: telemetry.resonance.0.into(),
