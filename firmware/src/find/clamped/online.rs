@@ -35,6 +35,9 @@ const QUARTER_BLOCKS: f32 = 20.0;
 const QUARTER_TIME_CONSTANTS: f32 = 1.0;
 /// Settling time after a step, in time constants: 2 % of the step remains, the same on both sides.
 const SETTLE_TIME_CONSTANTS: f32 = 4.0;
+/// Largest number of settling times of steady drive before a round. The number is one, and doubles
+/// after each interrupted round: a drive that is never steady long enough would only lose velocity.
+const MAX_WAIT: u8 = 4;
 /// Correction for incomplete settling with quarters of one time constant: half of 1.7 %. The true
 /// value is between 1.7 % and zero; zero applies if the source resistance dominates the damping.
 const UNSETTLED_REL: f32 = 0.0085;
@@ -117,11 +120,13 @@ pub struct Online {
     step_hz: f32,
     settle_blocks: u32,
     quarter_blocks: u32,
-    /// Blocks of a round: three settling times and four quarters, two of them in the middle.
-    round_blocks: u32,
     /// Growth of `variance` per block: the random walk whose standard deviation after a round
     /// equals a steady drift during it.
     wander: f32,
+    /// Blocks since the last one that could be measured, at most 65 535.
+    rested: u16,
+    /// Settling times of steady drive before the next round.
+    wait: u8,
     /// Blocks of this round; zero between rounds.
     round: u32,
     /// Blocks measured since the last step.
@@ -175,8 +180,9 @@ impl Online {
             step_hz: 0.0,
             settle_blocks: 0,
             quarter_blocks: 0,
-            round_blocks: 0,
             wander: 0.0,
+            rested: 0,
+            wait: 1,
             round: 0,
             settled: 0,
             last_hz: 0.0,
@@ -197,8 +203,8 @@ impl Online {
         self.variance = deviation * deviation;
         self.set_resonance(resonance_hz, q);
         self.slope = Phasor::new(0.0, 0.0);
-        (self.doubted, self.due, self.settled) = (false, Due::Begun, u32::MAX);
         self.stop();
+        (self.doubted, self.due, self.settled, self.wait) = (false, Due::Begun, u32::MAX, 1);
     }
 
     /// Omits all rounds of a lock: another resonance is within about a bandwidth, so that the scan
@@ -219,9 +225,8 @@ impl Online {
         self.step_hz = STEP_HALF_BANDWIDTHS * 0.5 * resonance_hz / q;
         self.settle_blocks = (SETTLE_TIME_CONSTANTS * tau_blocks) as u32 + 1;
         self.quarter_blocks = QUARTER_BLOCKS.max(QUARTER_TIME_CONSTANTS * tau_blocks) as u32;
-        self.round_blocks = 3 * self.settle_blocks + 4 * self.quarter_blocks;
         let wandered = self.drift_per_s * self.block_s;
-        self.wander = wandered * wandered * self.round_blocks as f32;
+        self.wander = wandered * wandered * self.round_blocks() as f32;
     }
 
     /// Returns `true` during a round, when the drive is off the lock point on purpose.
@@ -246,7 +251,7 @@ impl Online {
 
     /// Returns the relative standard deviation of the susceptance of the clamped branch.
     pub(crate) fn deviation(&self) -> f32 {
-        libm::sqrtf(self.variance)
+        fpu::sqrtf(self.variance)
     }
 
     /// Returns `true` if the block must be passed to [`step`](Self::step); other blocks need no
@@ -262,7 +267,7 @@ impl Online {
             self.due = Due::Changed;
         }
         if !level || changed {
-            self.steady = 0;
+            self.rest();
             return false;
         }
         self.may_be_due()
@@ -272,13 +277,16 @@ impl Online {
     #[inline]
     pub(crate) fn rest(&mut self) {
         self.steady = 0;
+        self.rested = self.rested.saturating_add(1);
     }
 
     /// Processes a block and returns the detuning to drive at, and a new estimate after a round.
     // Not inlined: few blocks need it, and the others must not pay for its registers.
     #[inline(never)]
     pub fn step(&mut self, sample: &Sample) -> Output {
-        self.variance += self.wander;
+        // In a pause the stack cools, and C0 drifts steadily.
+        let pause = self.drift_per_s * self.block_s * f32::from(core::mem::take(&mut self.rested));
+        self.variance += self.wander + pause * pause;
         let stepped = (sample.detune_hz - self.last_hz).abs() > 0.5 * self.step_hz;
         self.settled = if stepped { 0 } else { self.settled.saturating_add(1) };
         self.last_hz = sample.detune_hz;
@@ -290,20 +298,24 @@ impl Online {
         }
         self.steady = self.steady.saturating_add(1);
         // An incomplete ring-up would look like a susceptance.
-        if self.round == 0 && (self.steady < self.settle_blocks || self.has_little_drift()) {
+        if self.round == 0 && (self.steady < u32::from(self.wait) * self.settle_blocks || self.has_little_drift()) {
             return Output { hold, ..Output::default() };
         }
         self.listen(sample, hold);
         self.round += 1;
-        if self.round <= self.round_blocks + LATENCY_BLOCKS as u32 {
+        if self.round <= self.round_blocks() + LATENCY_BLOCKS as u32 {
             return Output { detune_hz: self.probe_hz(), hold, update: None };
         }
+        self.wait = 1;
         let update = self.finish();
         self.begin();
         Output { hold, update, ..Output::default() }
     }
 
     fn stop(&mut self) {
+        if self.round > 0 {
+            self.wait = MAX_WAIT.min(2 * self.wait);
+        }
         self.steady = 0;
         self.begin();
     }
@@ -327,11 +339,17 @@ impl Online {
         }
     }
 
+    /// Returns the blocks of a round: three settling times and four quarters, two of them in the
+    /// middle.
+    fn round_blocks(&self) -> u32 {
+        3 * self.settle_blocks + 4 * self.quarter_blocks
+    }
+
     fn probe_hz(&self) -> f32 {
         let first = self.settle_blocks + self.quarter_blocks;
         let second = first + self.settle_blocks + 2 * self.quarter_blocks;
         match self.round {
-            n if n > self.round_blocks => 0.0,
+            n if n > self.round_blocks() => 0.0,
             n if n > first && n <= second => -self.step_hz,
             _ => self.step_hz,
         }
@@ -385,7 +403,7 @@ impl Online {
         }
         self.doubted = false;
         self.due = Due::Drift;
-        let was_off = begun.then(|| (found.abs() - MARGIN_SIGMAS * libm::sqrtf(variance)).max(0.0) / conductance);
+        let was_off = begun.then(|| (found.abs() - MARGIN_SIGMAS * fpu::sqrtf(variance)).max(0.0) / conductance);
 
         let gain = if agrees { 0.0 } else { self.variance / (self.variance + variance) };
         self.variance *= 1.0 - gain;
@@ -394,7 +412,7 @@ impl Online {
         Some(Update {
             motional: self.motional,
             deviation: self.deviation(),
-            round: (found, libm::sqrtf(variance)),
+            round: (found, fpu::sqrtf(variance)),
             was_off,
             q: Measured { value: q.value * self.unsettled(), ..q },
         })
