@@ -31,7 +31,8 @@ struct FaultyPort {
     flip_one_in: u64,
     chance: Chance,
     flipped: Rc<Cell<u32>>,
-    /// A frame that orders a reset, which leaves together with the next one.
+    /// `true` if a frame that orders a reset leaves together with the next one.
+    delays_reset: bool,
     late: Vec<u8>,
 }
 
@@ -47,6 +48,7 @@ impl FaultyPort {
             flip_one_in,
             chance: Chance::new(7),
             flipped: Rc::default(),
+            delays_reset: false,
             late: Vec::new(),
         }
     }
@@ -69,7 +71,7 @@ impl Port for FaultyPort {
         let resets = bytes.iter().any(|&byte| receiver.take(byte).is_some_and(|frame| frame.is_ok_and(is_reset)));
         let flipped: Vec<u8> = bytes.iter().map(|&byte| self.flip(byte)).collect();
         self.late.extend(flipped);
-        if resets { Ok(()) } else { self.inner.send(&std::mem::take(&mut self.late)) }
+        if resets && self.delays_reset { Ok(()) } else { self.inner.send(&std::mem::take(&mut self.late)) }
     }
 
     fn receive(&mut self, into: &mut [u8], wait: Duration) -> io::Result<usize> {
@@ -132,8 +134,8 @@ fn an_order_whose_acknowledgement_is_lost_is_obeyed_once() {
 #[test]
 fn a_late_reset_may_end_the_session_that_follows_it() {
     let board = board("lock", &[], 0);
-    let client = client(Box::new(FaultyPort::new(port(&board), 0)));
-    let mut session = Session::begin(client, SessionOptions::default()).unwrap();
+    let late = FaultyPort { delays_reset: true, ..FaultyPort::new(port(&board), 0) };
+    let mut session = Session::begin(client(Box::new(late)), SessionOptions::default()).unwrap();
     super::run("reset\nstatus\nexpect mode = idle", &mut session).unwrap();
 }
 
