@@ -38,7 +38,7 @@ pub struct Row {
     pub drive_v: f64,
     /// Command: mean envelope that played.
     pub envelope: f64,
-    /// Command: it was off resonance on purpose, unlike the present one.
+    /// Command: `true` for a step of a measurement that has been interrupted since.
     probes: bool,
     /// Time at the end of this block that a fault dropped and made silent, s.
     pub dropped_s: f64,

@@ -35,8 +35,9 @@ const QUARTER_BLOCKS: f32 = 20.0;
 const QUARTER_TIME_CONSTANTS: f32 = 1.0;
 /// Settling time after a step, in time constants: 2 % of the step remains, the same on both sides.
 const SETTLE_TIME_CONSTANTS: f32 = 4.0;
-/// Largest number of settling times of steady drive before a round. The number is one, and doubles
-/// after each interrupted round: a drive that is never steady long enough would only lose velocity.
+/// Largest number of settling times of steady drive before a round. The number is one, two, four and
+/// again one after each interrupted round: rounds of a drive that is seldom steady long enough would
+/// only cost velocity.
 const MAX_WAIT: u8 = 4;
 /// Correction for incomplete settling with quarters of one time constant: half of 1.7 %. The true
 /// value is between 1.7 % and zero; zero applies if the source resistance dominates the damping.
@@ -115,16 +116,13 @@ pub struct Online {
     motional: Motional,
     /// Slope with frequency of the admittance of other resonances, S/Hz.
     slope: Phasor,
-    /// Variance of the susceptance, relative to its square.
+    /// Variance of the susceptance at the last round, relative to its square.
     variance: f32,
+    /// Blocks since that round.
+    unmeasured: u32,
     step_hz: f32,
     settle_blocks: u32,
     quarter_blocks: u32,
-    /// Growth of `variance` per block: the random walk whose standard deviation after a round
-    /// equals a steady drift during it.
-    wander: f32,
-    /// Blocks since the last one that could be measured, at most 65 535.
-    rested: u16,
     /// Settling times of steady drive before the next round.
     wait: u8,
     /// Blocks of this round; zero between rounds.
@@ -177,11 +175,10 @@ impl Online {
             motional,
             slope: Phasor::new(0.0, 0.0),
             variance: NOMINAL_DEVIATION_REL * NOMINAL_DEVIATION_REL,
+            unmeasured: 0,
             step_hz: 0.0,
             settle_blocks: 0,
             quarter_blocks: 0,
-            wander: 0.0,
-            rested: 0,
             wait: 1,
             round: 0,
             settled: 0,
@@ -200,7 +197,7 @@ impl Online {
     /// relative standard deviation of C0.
     pub fn seed(&mut self, motional: Motional, deviation: f32, resonance_hz: f32, q: f32) {
         self.motional = motional;
-        self.variance = deviation * deviation;
+        (self.variance, self.unmeasured) = (deviation * deviation, 0);
         self.set_resonance(resonance_hz, q);
         self.slope = Phasor::new(0.0, 0.0);
         self.stop();
@@ -225,8 +222,6 @@ impl Online {
         self.step_hz = STEP_HALF_BANDWIDTHS * 0.5 * resonance_hz / q;
         self.settle_blocks = (SETTLE_TIME_CONSTANTS * tau_blocks) as u32 + 1;
         self.quarter_blocks = QUARTER_BLOCKS.max(QUARTER_TIME_CONSTANTS * tau_blocks) as u32;
-        let wandered = self.drift_per_s * self.block_s;
-        self.wander = wandered * wandered * self.round_blocks() as f32;
     }
 
     /// Returns `true` during a round, when the drive is off the lock point on purpose.
@@ -251,7 +246,14 @@ impl Online {
 
     /// Returns the relative standard deviation of the susceptance of the clamped branch.
     pub(crate) fn deviation(&self) -> f32 {
-        fpu::sqrtf(self.variance)
+        fpu::sqrtf(self.variance())
+    }
+
+    /// Returns the variance of the susceptance, relative to its square. C0 may have drifted steadily
+    /// since the last round, also in a pause.
+    fn variance(&self) -> f32 {
+        let drifted = self.drift_per_s * self.block_s * self.unmeasured as f32;
+        self.variance + drifted * drifted
     }
 
     /// Returns `true` if the block must be passed to [`step`](Self::step); other blocks need no
@@ -277,16 +279,14 @@ impl Online {
     #[inline]
     pub(crate) fn rest(&mut self) {
         self.steady = 0;
-        self.rested = self.rested.saturating_add(1);
+        self.unmeasured = self.unmeasured.saturating_add(1);
     }
 
     /// Processes a block and returns the detuning to drive at, and a new estimate after a round.
     // Not inlined: few blocks need it, and the others must not pay for its registers.
     #[inline(never)]
     pub fn step(&mut self, sample: &Sample) -> Output {
-        // In a pause the stack cools, and C0 drifts steadily.
-        let pause = self.drift_per_s * self.block_s * f32::from(core::mem::take(&mut self.rested));
-        self.variance += self.wander + pause * pause;
+        self.unmeasured = self.unmeasured.saturating_add(1);
         let stepped = (sample.detune_hz - self.last_hz).abs() > 0.5 * self.step_hz;
         self.settled = if stepped { 0 } else { self.settled.saturating_add(1) };
         self.last_hz = sample.detune_hz;
@@ -314,7 +314,7 @@ impl Online {
 
     fn stop(&mut self) {
         if self.round > 0 {
-            self.wait = MAX_WAIT.min(2 * self.wait);
+            self.wait = if self.wait < MAX_WAIT { 2 * self.wait } else { 1 };
         }
         self.steady = 0;
         self.begin();
@@ -327,7 +327,7 @@ impl Online {
 
     /// Returns `true` if C0 cannot have drifted enough for a round.
     fn has_little_drift(&self) -> bool {
-        self.due == Due::Drift && self.variance < TARGET_DEVIATION_REL * TARGET_DEVIATION_REL
+        self.due == Due::Drift && self.variance() < TARGET_DEVIATION_REL * TARGET_DEVIATION_REL
     }
 
     /// Returns `true` if a round may be due; with a configured drift the variance must be advanced.
@@ -378,6 +378,7 @@ impl Online {
         let [below, above] = &self.sides;
         let susceptance = self.motional.y0.im;
         let Balance { susceptance: b, variance, conductance, q } = Balance::from_sides(below, above)?;
+        (self.variance, self.unmeasured) = (self.variance(), 0);
         let (found, variance) = (b / susceptance, variance / (susceptance * susceptance));
         // So large a change is not one of the clamped capacitance.
         if self.due != Due::Begun && !PLAUSIBLE_CHANGE_REL.contains(&found) {

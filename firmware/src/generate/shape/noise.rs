@@ -144,8 +144,8 @@ fn root(z: Complex64) -> Complex64 {
     Complex64::new(re, if z.im < 0.0 { -im } else { im })
 }
 
-/// Returns the square root, to a few units of the last place; zero below 1e-45. libm's would take
-/// half a kilobyte more flash.
+/// Returns the square root of a number below 3e38, from 1e-40 to a few units of the last place, and
+/// zero below 1e-45. libm's would take half a kilobyte more flash.
 fn real_root(x: f64) -> f64 {
     let first = f64::from(fpu::sqrtf(x.max(0.0) as f32));
     // Newton's method doubles the number of right digits.

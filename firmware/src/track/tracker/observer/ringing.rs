@@ -11,13 +11,14 @@ use crate::seam::phasor::Phasor;
 
 /// Number of blocks after a step that are evaluated.
 const WINDOW_BLOCKS: u8 = 64;
-/// Smallest number of blocks that are evaluated.
+/// Smallest number of blocks after a step that are evaluated. Of these, few may have an armed gate:
+/// it opens by a disturbance that is not yet known.
 const MIN_BLOCKS: u8 = 8;
 /// Factor by which a visible disturbance, or the square of its innovations, exceeds the expected
 /// square.
 const VISIBLE: f32 = 4.0;
-/// Part of the square of a step that counts after a block, if the tracked resonance rings down
-/// faster: the others may be slower.
+/// Smallest factor per block by which the square of a step fades: other resonances may ring longer
+/// than the tracked one.
 const MIN_LEFT: f32 = 1.0 - 1.0 / 32.0;
 /// Part of the expected square below which a disturbance is over.
 const OVER: f32 = 1e-3;
@@ -38,7 +39,7 @@ pub(super) struct Ringing {
     per_square: f32,
     /// Fading sum of `excited` that this was learned from, V².
     squares: f32,
-    /// Sum of the squares of steps, each of which fades as the disturbance does, V².
+    /// Sum of the squares of steps, each of which fades with time, V².
     square: f32,
     /// Blocks since the last step.
     blocks: u8,
