@@ -54,10 +54,8 @@ pub(crate) struct AmplitudeLoop {
     /// Current that an undisturbed resonance would have now, A.
     expected: f32,
     integral_volts: f32,
-    /// Last set point, V or A.
-    set_point: f32,
-    /// `true` if the set point has just changed.
-    stepped: bool,
+    /// Last set point and the one before, V or A.
+    set_points: [f32; 2],
     volts: f32,
     limited: bool,
     fold_back: FoldBack,
@@ -106,8 +104,7 @@ impl AmplitudeLoop {
             fold_back: FoldBack::build(config.limits.current_a),
             rise: if config.drive.soft_start_s > block_s { block_s / config.drive.soft_start_s } else { 1.0 },
             risen: 0.0,
-            set_point: 0.0,
-            stepped: false,
+            set_points: [0.0; 2],
             rises_from_a: 0.0,
             settled_blocks: 0,
             last_set_point_a: 0.0,
@@ -165,15 +162,17 @@ impl AmplitudeLoop {
     /// its motional current.
     pub(crate) fn update(&mut self, target: Amplitude, envelope: f32, motional_current: Phasor) {
         let target = if self.risen < 1.0 { self.rise_to(target) } else { target };
-        let (Amplitude::Volts(set_point) | Amplitude::MotionalCurrent(set_point)) = target;
-        self.stepped = (set_point - self.set_point).abs() > MAX_CHANGE_REL * set_point;
-        self.set_point = set_point;
+        self.set_points[1] = self.set_points[0];
         let set_point = match target {
             Amplitude::Volts(volts) => {
+                self.set_points[0] = volts;
                 self.settled_blocks = SETTLED_BLOCKS;
                 volts
             }
-            Amplitude::MotionalCurrent(amperes) => self.hold(amperes, envelope, motional_current),
+            Amplitude::MotionalCurrent(amperes) => {
+                self.set_points[0] = amperes;
+                self.hold(amperes, envelope, motional_current)
+            }
         };
         let most = self.most_now();
         self.limited = set_point > most;
@@ -184,7 +183,8 @@ impl AmplitudeLoop {
     /// Returns `true` if an order, a soft start or a derating has just changed the set point by
     /// more than a measurement of the clamped branch tolerates.
     pub(crate) fn is_stepped(&self) -> bool {
-        self.stepped
+        let [now, before] = self.set_points;
+        (now - before).abs() > MAX_CHANGE_REL * now
     }
 
     /// Returns the peak voltage of the drive, V.

@@ -35,10 +35,10 @@ const QUARTER_BLOCKS: f32 = 20.0;
 const QUARTER_TIME_CONSTANTS: f32 = 1.0;
 /// Settling time after a step, in time constants: 2 % of the step remains, the same on both sides.
 const SETTLE_TIME_CONSTANTS: f32 = 4.0;
-/// Largest number of settling times of steady drive before a round. The number is one, two, four and
-/// again one after each interrupted round: rounds of a drive that is seldom steady long enough would
-/// only cost velocity.
-const MAX_WAIT: u8 = 4;
+/// Settling times of steady drive before a round that follows an interrupted one: if the drive is
+/// seldom steady long enough, most rounds only cost velocity. The next one waits for one of them
+/// again, else there would be no time for it.
+const WAIT: u32 = 4;
 /// Correction for incomplete settling with quarters of one time constant: half of 1.7 %. The true
 /// value is between 1.7 % and zero; zero applies if the source resistance dominates the damping.
 const UNSETTLED_REL: f32 = 0.0085;
@@ -118,13 +118,13 @@ pub struct Online {
     slope: Phasor,
     /// Variance of the susceptance at the last round, relative to its square.
     variance: f32,
-    /// Blocks since that round.
+    /// Blocks since that round; they begin anew after 38 hours of blocks of 32 µs.
     unmeasured: u32,
     step_hz: f32,
     settle_blocks: u32,
     quarter_blocks: u32,
-    /// Settling times of steady drive before the next round.
-    wait: u8,
+    /// `true` if the next round begins after [`WAIT`] settling times.
+    waits: bool,
     /// Blocks of this round; zero between rounds.
     round: u32,
     /// Blocks measured since the last step.
@@ -179,7 +179,7 @@ impl Online {
             step_hz: 0.0,
             settle_blocks: 0,
             quarter_blocks: 0,
-            wait: 1,
+            waits: false,
             round: 0,
             settled: 0,
             last_hz: 0.0,
@@ -201,7 +201,7 @@ impl Online {
         self.set_resonance(resonance_hz, q);
         self.slope = Phasor::new(0.0, 0.0);
         self.stop();
-        (self.doubted, self.due, self.settled, self.wait) = (false, Due::Begun, u32::MAX, 1);
+        (self.doubted, self.due, self.settled, self.waits) = (false, Due::Begun, u32::MAX, false);
     }
 
     /// Omits all rounds of a lock: another resonance is within about a bandwidth, so that the scan
@@ -249,8 +249,8 @@ impl Online {
         fpu::sqrtf(self.variance())
     }
 
-    /// Returns the variance of the susceptance, relative to its square. C0 may have drifted steadily
-    /// since the last round, also in a pause.
+    /// Returns the variance of the susceptance, relative to its square. Since the last round C0 may
+    /// have drifted steadily, also in a pause.
     fn variance(&self) -> f32 {
         let drifted = self.drift_per_s * self.block_s * self.unmeasured as f32;
         self.variance + drifted * drifted
@@ -279,14 +279,14 @@ impl Online {
     #[inline]
     pub(crate) fn rest(&mut self) {
         self.steady = 0;
-        self.unmeasured = self.unmeasured.saturating_add(1);
+        self.unmeasured = self.unmeasured.wrapping_add(1);
     }
 
     /// Processes a block and returns the detuning to drive at, and a new estimate after a round.
     // Not inlined: few blocks need it, and the others must not pay for its registers.
     #[inline(never)]
     pub fn step(&mut self, sample: &Sample) -> Output {
-        self.unmeasured = self.unmeasured.saturating_add(1);
+        self.unmeasured = self.unmeasured.wrapping_add(1);
         let stepped = (sample.detune_hz - self.last_hz).abs() > 0.5 * self.step_hz;
         self.settled = if stepped { 0 } else { self.settled.saturating_add(1) };
         self.last_hz = sample.detune_hz;
@@ -298,24 +298,24 @@ impl Online {
         }
         self.steady = self.steady.saturating_add(1);
         // An incomplete ring-up would look like a susceptance.
-        if self.round == 0 && (self.steady < u32::from(self.wait) * self.settle_blocks || self.has_little_drift()) {
+        let wait = if self.waits { WAIT } else { 1 };
+        if self.round == 0 && (self.steady < wait * self.settle_blocks || self.has_little_drift()) {
             return Output { hold, ..Output::default() };
         }
+        // Until it has a result, a round counts as interrupted.
+        self.waits ^= self.round == 0;
         self.listen(sample, hold);
         self.round += 1;
         if self.round <= self.round_blocks() + LATENCY_BLOCKS as u32 {
             return Output { detune_hz: self.probe_hz(), hold, update: None };
         }
-        self.wait = 1;
+        self.waits = false;
         let update = self.finish();
         self.begin();
         Output { hold, update, ..Output::default() }
     }
 
     fn stop(&mut self) {
-        if self.round > 0 {
-            self.wait = if self.wait < MAX_WAIT { 2 * self.wait } else { 1 };
-        }
         self.steady = 0;
         self.begin();
     }

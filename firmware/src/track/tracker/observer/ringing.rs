@@ -6,8 +6,8 @@
 //! innovations, as a variance relative to the square of the step. It counts as noise, and follows
 //! the innovations until it is no longer visible. A transducer with a single resonance has none.
 
+use super::ARM_BLOCKS;
 use crate::seam::compare::{larger, smaller};
-use crate::seam::phasor::Phasor;
 
 /// Number of blocks after a step that are evaluated.
 const WINDOW_BLOCKS: u8 = 64;
@@ -82,29 +82,32 @@ impl Ringing {
         (self.variance, self.square, self.blocks, self.listens) = (0.0, 0.0, 0, false);
     }
 
-    /// Takes an innovation, A, the expected value of its square, A², and the factor by which the
-    /// free current changes in a block. `armed`: the gate is armed; else the expected value is
-    /// mostly that of an unknown resonance.
+    /// Takes the square of an innovation, A², its expected value, A², and the factor by which the
+    /// square of the free current changes in a block. `calm`: blocks since the gate has opened; until
+    /// it is armed again, the expected value is mostly that of an unknown resonance.
     // Not inlined: the fast memory of a board has no room for it.
     #[inline(never)]
-    pub(super) fn take(&mut self, innovation: Phasor, expected: f32, decay: Phasor, armed: bool) {
-        let (innovation, expected) = (innovation.norm_sqr(), expected - self.variance);
-        let decay = smaller(decay.norm_sqr(), 1.0);
+    pub(super) fn take(&mut self, innovation: f32, expected: f32, decay: f32, calm: u32) {
+        let expected = expected - self.variance;
+        let decay = smaller(decay, 1.0);
         self.variance *= decay;
         self.square *= larger(decay, MIN_LEFT);
-        if armed && self.variance > expected {
-            let seen = smaller(innovation, MAX_FOLLOWED * self.variance);
-            self.variance += FOLLOWED * (seen - expected - self.variance);
-        } else if armed && self.variance < OVER * expected {
-            self.variance = 0.0;
-        }
-        if self.blocks < WINDOW_BLOCKS {
-            self.blocks += 1;
-            if armed {
+        let within = self.blocks < WINDOW_BLOCKS;
+        if calm > ARM_BLOCKS {
+            if self.variance > expected {
+                let seen = smaller(innovation, MAX_FOLLOWED * self.variance);
+                self.variance += FOLLOWED * (seen - expected - self.variance);
+            } else if self.variance < OVER * expected {
+                self.variance = 0.0;
+            }
+            if within {
                 self.excited += self.square;
                 self.innovations += innovation;
                 self.expected += expected;
             }
+        }
+        if within {
+            self.blocks += 1;
         } else {
             self.square = 0.0;
             self.listens = self.variance > 0.0;
