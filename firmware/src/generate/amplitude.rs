@@ -31,11 +31,7 @@ const MIN_VOLTAGE_REL: f32 = 0.25;
 /// Largest relative deviation of a settled amplitude from its set point.
 const SETTLED_REL: f32 = 0.01;
 /// Number of blocks within that deviation after which an amplitude is settled.
-const SETTLED_BLOCKS: u8 = 32;
-/// Change of the set point from block to block, relative, that a measurement of the clamped branch
-/// does not tolerate: until the current has followed, it looks like a susceptance of up to twice
-/// the change times the motional conductance.
-const MAX_CHANGE_REL: f32 = 1e-3;
+const SETTLED_BLOCKS: u32 = 32;
 
 /// The amplitude control. Without an identified transducer a motional current cannot be held, and
 /// plays as silence.
@@ -54,8 +50,6 @@ pub(crate) struct AmplitudeLoop {
     /// Current that an undisturbed resonance would have now, A.
     expected: f32,
     integral_volts: f32,
-    /// Last set point and the one before, V or A.
-    set_points: [f32; 2],
     volts: f32,
     limited: bool,
     fold_back: FoldBack,
@@ -66,7 +60,7 @@ pub(crate) struct AmplitudeLoop {
     /// Motional current at the beginning of a soft start, A.
     rises_from_a: f32,
     /// Number of blocks in which the amplitude was at the set point.
-    settled_blocks: u8,
+    settled_blocks: u32,
     /// Last set point, A; zero before the first.
     last_set_point_a: f32,
 }
@@ -104,7 +98,6 @@ impl AmplitudeLoop {
             fold_back: FoldBack::build(config.limits.current_a),
             rise: if config.drive.soft_start_s > block_s { block_s / config.drive.soft_start_s } else { 1.0 },
             risen: 0.0,
-            set_points: [0.0; 2],
             rises_from_a: 0.0,
             settled_blocks: 0,
             last_set_point_a: 0.0,
@@ -162,29 +155,17 @@ impl AmplitudeLoop {
     /// its motional current.
     pub(crate) fn update(&mut self, target: Amplitude, envelope: f32, motional_current: Phasor) {
         let target = if self.risen < 1.0 { self.rise_to(target) } else { target };
-        self.set_points[1] = self.set_points[0];
         let set_point = match target {
             Amplitude::Volts(volts) => {
-                self.set_points[0] = volts;
                 self.settled_blocks = SETTLED_BLOCKS;
                 volts
             }
-            Amplitude::MotionalCurrent(amperes) => {
-                self.set_points[0] = amperes;
-                self.hold(amperes, envelope, motional_current)
-            }
+            Amplitude::MotionalCurrent(amperes) => self.hold(amperes, envelope, motional_current),
         };
         let most = self.most_now();
         self.limited = set_point > most;
         let volts = up_to(most, set_point);
         self.volts = if volts < self.least_volts { 0.0 } else { volts };
-    }
-
-    /// Returns `true` if an order, a soft start or a derating has just changed the set point by
-    /// more than a measurement of the clamped branch tolerates.
-    pub(crate) fn is_stepped(&self) -> bool {
-        let [now, before] = self.set_points;
-        (now - before).abs() > MAX_CHANGE_REL * now
     }
 
     /// Returns the peak voltage of the drive, V.
