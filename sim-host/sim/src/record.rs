@@ -39,7 +39,7 @@ pub struct Row {
     /// Command: mean envelope that played.
     pub envelope: f64,
     /// Command: `true` for a step of a measurement that has been interrupted since.
-    probes: bool,
+    pub(crate) probes: bool,
     /// Time at the end of this block that a fault dropped and made silent, s.
     pub dropped_s: f64,
     /// Swing of the codes that played.
