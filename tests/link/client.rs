@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use firmware::board::command::{Command, Reply};
-use firmware::board::link::{Frame, Receiver};
+use firmware::board::link::Receiver;
 use firmware::seam::block::Gate;
 use hal_mock::chance::Chance;
 use link::link_error::LinkError;
@@ -31,9 +31,6 @@ struct FaultyPort {
     flip_one_in: u64,
     chance: Chance,
     flipped: Rc<Cell<u32>>,
-    /// `true` if a frame that orders a reset leaves together with the next one.
-    delays_reset: bool,
-    late: Vec<u8>,
 }
 
 impl FaultyPort {
@@ -48,8 +45,6 @@ impl FaultyPort {
             flip_one_in,
             chance: Chance::new(7),
             flipped: Rc::default(),
-            delays_reset: false,
-            late: Vec::new(),
         }
     }
 
@@ -66,12 +61,8 @@ impl Port for FaultyPort {
     }
 
     fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
-        let mut receiver = Receiver::default();
-        let is_reset = |frame: Frame<Command>| matches!(frame.body, Command::Reset);
-        let resets = bytes.iter().any(|&byte| receiver.take(byte).is_some_and(|frame| frame.is_ok_and(is_reset)));
-        let flipped: Vec<u8> = bytes.iter().map(|&byte| self.flip(byte)).collect();
-        self.late.extend(flipped);
-        if resets && self.delays_reset { Ok(()) } else { self.inner.send(&std::mem::take(&mut self.late)) }
+        let bytes: Vec<u8> = bytes.iter().map(|&byte| self.flip(byte)).collect();
+        self.inner.send(&bytes)
     }
 
     fn receive(&mut self, into: &mut [u8], wait: Duration) -> io::Result<usize> {
@@ -129,14 +120,6 @@ fn an_order_whose_acknowledgement_is_lost_is_obeyed_once() {
             assert_eq!(after.wrapping_sub(before), 1, "{command:?} {lost}");
         }
     }
-}
-
-#[test]
-fn a_late_reset_may_end_the_session_that_follows_it() {
-    let board = board("lock", &[], 0);
-    let late = FaultyPort { delays_reset: true, ..FaultyPort::new(port(&board), 0) };
-    let mut session = Session::begin(client(Box::new(late)), SessionOptions::default()).unwrap();
-    super::run("reset\nstatus\nexpect mode = idle", &mut session).unwrap();
 }
 
 #[test]
