@@ -6,11 +6,6 @@
 //! A crate of its own, because the controller forbids `unsafe`, which one instruction needs.
 
 #![no_std]
-#![allow(
-    unsafe_code,
-    clippy::allow_attributes,
-    reason = "a naked function can only be unsafe, and takes no attribute of its own"
-)]
 
 /// Returns the square root, correctly rounded; not a number for a negative value.
 #[cfg(not(all(target_os = "none", target_arch = "arm", target_abi = "eabihf")))]
