@@ -31,7 +31,11 @@ const MIN_VOLTAGE_REL: f32 = 0.25;
 /// Largest relative deviation of a settled amplitude from its set point.
 const SETTLED_REL: f32 = 0.01;
 /// Number of blocks within that deviation after which an amplitude is settled.
-const SETTLED_BLOCKS: u32 = 32;
+const SETTLED_BLOCKS: u8 = 32;
+/// Largest change of the set point from block to block, relative, that a measurement of the clamped
+/// branch tolerates: until the current has followed, a step looks like a susceptance of up to twice
+/// the change times the motional conductance.
+const MAX_CHANGE_REL: f32 = 1e-3;
 
 /// The amplitude control. Without an identified transducer a motional current cannot be held, and
 /// plays as silence.
@@ -50,6 +54,10 @@ pub(crate) struct AmplitudeLoop {
     /// Current that an undisturbed resonance would have now, A.
     expected: f32,
     integral_volts: f32,
+    /// Last set point, V or A.
+    set_point: f32,
+    /// `true` if the last block has changed it by more than [`MAX_CHANGE_REL`].
+    stepped: bool,
     volts: f32,
     limited: bool,
     fold_back: FoldBack,
@@ -60,7 +68,7 @@ pub(crate) struct AmplitudeLoop {
     /// Motional current at the beginning of a soft start, A.
     rises_from_a: f32,
     /// Number of blocks in which the amplitude was at the set point.
-    settled_blocks: u32,
+    settled_blocks: u8,
     /// Last set point, A; zero before the first.
     last_set_point_a: f32,
 }
@@ -98,6 +106,8 @@ impl AmplitudeLoop {
             fold_back: FoldBack::build(config.limits.current_a),
             rise: if config.drive.soft_start_s > block_s { block_s / config.drive.soft_start_s } else { 1.0 },
             risen: 0.0,
+            set_point: 0.0,
+            stepped: false,
             rises_from_a: 0.0,
             settled_blocks: 0,
             last_set_point_a: 0.0,
@@ -155,6 +165,9 @@ impl AmplitudeLoop {
     /// its motional current.
     pub(crate) fn update(&mut self, target: Amplitude, envelope: f32, motional_current: Phasor) {
         let target = if self.risen < 1.0 { self.rise_to(target) } else { target };
+        let (Amplitude::Volts(now) | Amplitude::MotionalCurrent(now)) = target;
+        self.stepped = (now - self.set_point).abs() > MAX_CHANGE_REL * now;
+        self.set_point = now;
         let set_point = match target {
             Amplitude::Volts(volts) => {
                 self.settled_blocks = SETTLED_BLOCKS;
@@ -166,6 +179,12 @@ impl AmplitudeLoop {
         self.limited = set_point > most;
         let volts = up_to(most, set_point);
         self.volts = if volts < self.least_volts { 0.0 } else { volts };
+    }
+
+    /// Returns `true` during a soft start, and if an order or a derating has just changed the set
+    /// point by more than a measurement of the clamped branch tolerates.
+    pub(crate) fn is_stepped(&self) -> bool {
+        self.stepped || self.risen < 1.0
     }
 
     /// Returns the peak voltage of the drive, V.

@@ -216,7 +216,8 @@ impl Follow {
         if !track.online.listens(level, track.tracker.has_gate_opened()) {
             return;
         }
-        let steady = level && !generator.amplitude.limited() && track.tracker.state() == State::Locked;
+        let amplitude = &generator.amplitude;
+        let steady = level && !amplitude.limited() && !amplitude.is_stepped() && track.tracker.state() == State::Locked;
         let sample =
             online::Sample { sensed, relative: played.relative, detune_hz: played.detune_hz, volts: played.volts, steady };
         let output = track.online.step(&sample);

@@ -35,6 +35,12 @@ const QUARTER_BLOCKS: f32 = 20.0;
 const QUARTER_TIME_CONSTANTS: f32 = 1.0;
 /// Settling time after a step, in time constants: 2 % of the step remains, the same on both sides.
 const SETTLE_TIME_CONSTANTS: f32 = 4.0;
+/// Settling times of steady drive before about half of the rounds that follow an interrupted one:
+/// if the drive is seldom steady long enough, most rounds only cost velocity. The other half begins
+/// as soon as possible, else there might be no time for any.
+const WAIT: u32 = 4;
+/// Odd factor whose product has a random upper bit.
+const HASH: u32 = 0x9e37_79b9;
 /// Correction for incomplete settling with quarters of one time constant: half of 1.7 %. The true
 /// value is between 1.7 % and zero; zero applies if the source resistance dominates the damping.
 const UNSETTLED_REL: f32 = 0.0085;
@@ -112,16 +118,15 @@ pub struct Online {
     motional: Motional,
     /// Slope with frequency of the admittance of other resonances, S/Hz.
     slope: Phasor,
-    /// Variance of the susceptance, relative to its square.
+    /// Variance of the susceptance at the last round, relative to its square.
     variance: f32,
+    /// Blocks since that round.
+    unmeasured: u32,
     step_hz: f32,
     settle_blocks: u32,
     quarter_blocks: u32,
-    /// Blocks of a round: three settling times and four quarters, two of them in the middle.
-    round_blocks: u32,
-    /// Growth of `variance` per block: the random walk whose standard deviation after a round
-    /// equals a steady drift during it.
-    wander: f32,
+    /// `true` if the next round begins after [`WAIT`] settling times.
+    waits: bool,
     /// Blocks of this round; zero between rounds.
     round: u32,
     /// Blocks measured since the last step.
@@ -172,11 +177,11 @@ impl Online {
             motional,
             slope: Phasor::new(0.0, 0.0),
             variance: NOMINAL_DEVIATION_REL * NOMINAL_DEVIATION_REL,
+            unmeasured: 0,
             step_hz: 0.0,
             settle_blocks: 0,
             quarter_blocks: 0,
-            round_blocks: 0,
-            wander: 0.0,
+            waits: false,
             round: 0,
             settled: 0,
             last_hz: 0.0,
@@ -194,11 +199,11 @@ impl Online {
     /// relative standard deviation of C0.
     pub fn seed(&mut self, motional: Motional, deviation: f32, resonance_hz: f32, q: f32) {
         self.motional = motional;
-        self.variance = deviation * deviation;
+        (self.variance, self.unmeasured) = (deviation * deviation, 0);
         self.set_resonance(resonance_hz, q);
         self.slope = Phasor::new(0.0, 0.0);
-        (self.doubted, self.due, self.settled) = (false, Due::Begun, u32::MAX);
         self.stop();
+        (self.doubted, self.due, self.settled, self.waits) = (false, Due::Begun, u32::MAX, false);
     }
 
     /// Omits all rounds of a lock: another resonance is within about a bandwidth, so that the scan
@@ -219,9 +224,6 @@ impl Online {
         self.step_hz = STEP_HALF_BANDWIDTHS * 0.5 * resonance_hz / q;
         self.settle_blocks = (SETTLE_TIME_CONSTANTS * tau_blocks) as u32 + 1;
         self.quarter_blocks = QUARTER_BLOCKS.max(QUARTER_TIME_CONSTANTS * tau_blocks) as u32;
-        self.round_blocks = 3 * self.settle_blocks + 4 * self.quarter_blocks;
-        let wandered = self.drift_per_s * self.block_s;
-        self.wander = wandered * wandered * self.round_blocks as f32;
     }
 
     /// Returns `true` during a round, when the drive is off the lock point on purpose.
@@ -246,7 +248,14 @@ impl Online {
 
     /// Returns the relative standard deviation of the susceptance of the clamped branch.
     pub(crate) fn deviation(&self) -> f32 {
-        fpu::sqrtf(self.variance)
+        fpu::sqrtf(self.variance())
+    }
+
+    /// Returns the variance of the susceptance, relative to its square. Since the last round C0 may
+    /// have drifted steadily, also in a pause.
+    fn variance(&self) -> f32 {
+        let drifted = self.drift_per_s * self.block_s * self.unmeasured as f32;
+        self.variance + drifted * drifted
     }
 
     /// Returns `true` if the block must be passed to [`step`](Self::step); other blocks need no
@@ -262,7 +271,7 @@ impl Online {
             self.due = Due::Changed;
         }
         if !level || changed {
-            self.steady = 0;
+            self.rest();
             return false;
         }
         self.may_be_due()
@@ -272,13 +281,14 @@ impl Online {
     #[inline]
     pub(crate) fn rest(&mut self) {
         self.steady = 0;
+        self.unmeasured = self.unmeasured.saturating_add(1);
     }
 
     /// Processes a block and returns the detuning to drive at, and a new estimate after a round.
     // Not inlined: few blocks need it, and the others must not pay for its registers.
     #[inline(never)]
     pub fn step(&mut self, sample: &Sample) -> Output {
-        self.variance += self.wander;
+        self.unmeasured = self.unmeasured.saturating_add(1);
         let stepped = (sample.detune_hz - self.last_hz).abs() > 0.5 * self.step_hz;
         self.settled = if stepped { 0 } else { self.settled.saturating_add(1) };
         self.last_hz = sample.detune_hz;
@@ -290,14 +300,21 @@ impl Online {
         }
         self.steady = self.steady.saturating_add(1);
         // An incomplete ring-up would look like a susceptance.
-        if self.round == 0 && (self.steady < self.settle_blocks || self.has_little_drift()) {
+        let wait = if self.waits { WAIT } else { 1 };
+        if self.round == 0 && (self.steady < wait * self.settle_blocks || self.has_little_drift()) {
             return Output { hold, ..Output::default() };
+        }
+        if self.round == 0 {
+            // For the next round, if this one is interrupted. By chance: a drive whose steady times
+            // alternate must not prevent every round.
+            self.waits = self.unmeasured.wrapping_mul(HASH) >> 31 != 0;
         }
         self.listen(sample, hold);
         self.round += 1;
-        if self.round <= self.round_blocks + LATENCY_BLOCKS as u32 {
+        if self.round <= self.round_blocks() + LATENCY_BLOCKS as u32 {
             return Output { detune_hz: self.probe_hz(), hold, update: None };
         }
+        self.waits = false;
         let update = self.finish();
         self.begin();
         Output { hold, update, ..Output::default() }
@@ -315,7 +332,7 @@ impl Online {
 
     /// Returns `true` if C0 cannot have drifted enough for a round.
     fn has_little_drift(&self) -> bool {
-        self.due == Due::Drift && self.variance < TARGET_DEVIATION_REL * TARGET_DEVIATION_REL
+        self.due == Due::Drift && self.variance() < TARGET_DEVIATION_REL * TARGET_DEVIATION_REL
     }
 
     /// Returns `true` if a round may be due; with a configured drift the variance must be advanced.
@@ -327,11 +344,17 @@ impl Online {
         }
     }
 
+    /// Returns the blocks of a round: three settling times and four quarters, two of them in the
+    /// middle.
+    fn round_blocks(&self) -> u32 {
+        3 * self.settle_blocks + 4 * self.quarter_blocks
+    }
+
     fn probe_hz(&self) -> f32 {
         let first = self.settle_blocks + self.quarter_blocks;
         let second = first + self.settle_blocks + 2 * self.quarter_blocks;
         match self.round {
-            n if n > self.round_blocks => 0.0,
+            n if n > self.round_blocks() => 0.0,
             n if n > first && n <= second => -self.step_hz,
             _ => self.step_hz,
         }
@@ -360,6 +383,7 @@ impl Online {
         let [below, above] = &self.sides;
         let susceptance = self.motional.y0.im;
         let Balance { susceptance: b, variance, conductance, q } = Balance::from_sides(below, above)?;
+        (self.variance, self.unmeasured) = (self.variance(), 0);
         let (found, variance) = (b / susceptance, variance / (susceptance * susceptance));
         // So large a change is not one of the clamped capacitance.
         if self.due != Due::Begun && !PLAUSIBLE_CHANGE_REL.contains(&found) {

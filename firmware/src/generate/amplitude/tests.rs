@@ -26,6 +26,8 @@ fn amplitude_loop(amperes: f32) -> AmplitudeLoop {
         lag: 0.0,
         expected: amperes,
         integral_volts: 1.0,
+        set_point: 0.0,
+        stepped: false,
         volts: 1.0,
         limited: false,
         fold_back: FoldBack::build(3.0),
@@ -153,4 +155,15 @@ fn the_limit_is_never_exceeded_and_is_reported() {
     }
     hold.update(Amplitude::MotionalCurrent(2.0), 1.0, f32::NAN.into());
     assert!(hold.volts() <= 12.0);
+}
+
+/// A step of 0.3 % ends a measurement of the clamped branch; one of 0.03 % does not.
+#[test]
+fn a_changed_set_point_is_a_step() {
+    let mut hold = amplitude_loop(1.0);
+    let stepped = [3.0, 3.0, 3.001, 3.01, 3.01].map(|volts| {
+        hold.update(Amplitude::Volts(volts), 1.0, Phasor::default());
+        hold.is_stepped()
+    });
+    assert_eq!(stepped, [true, false, false, true, false]);
 }

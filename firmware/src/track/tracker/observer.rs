@@ -245,7 +245,7 @@ impl Observer {
         let noise = noise + self.ringing.variance();
         let total = variance + noise;
         if self.exceeds_gate(innovation, total) {
-            self.ringing.take(innovation, total, a);
+            self.ringing.take(innovation.norm_sqr(), total, a.norm_sqr(), self.calm);
             return self.open(current, noise);
         }
 
@@ -285,7 +285,7 @@ impl Observer {
             self.rate = 0.0;
         }
         if self.ringing.listens() {
-            self.ringing.take(innovation, total, a);
+            self.ringing.take(innovation.norm_sqr(), total, a.norm_sqr(), self.calm);
         }
     }
 

@@ -81,10 +81,10 @@ const EXAMPLES: &[Example] = &[
     ),
     Example::failing(
         33,
-        "four times C0 and twenty times Q: another transducer is connected",
+        "4.5 times C0 and eight times Q: another transducer is connected",
         "lock",
         &[ON, OFF, OBSERVER],
-        (Failure::Load(Load { q: 20.0, c0: 4.0, bandwidths: -0.5 }), 0.12, 0.25),
+        (Failure::Load(Load { q: 8.0, c0: 4.5, bandwidths: 0.3 }), 0.05, 0.15),
     ),
     Example::new(
         34,

@@ -266,12 +266,14 @@ mod tests {
     use report::markdown;
 
     /// One of each former failure: an estimate bounded by its first prior, a voltage that passes
-    /// zero as the amplitude falls, and an amplitude step within a measurement of C0.
+    /// zero as the amplitude falls, and two amplitude steps within a measurement of C0. The last
+    /// one has further modes, and is poor for 5 % of the time.
     #[test]
     fn former_failures_are_within() {
-        for number in [33, 31, 38] {
+        for number in [33, 31, 38, 5] {
             let run = run(&Transducer::draw(number), 4.0, None).unwrap();
-            assert_eq!(missed(&[run]), [""; 0], "{number}");
+            assert!(run.bias.abs() <= MAX_BIAS, "{number}: {:+.4} bandwidths", run.bias);
+            assert!(number == 5 || missed(&[run]).is_empty(), "{number}");
         }
     }
 

@@ -67,3 +67,39 @@ fn no_round_if_unsteady_or_already_accurate() {
     });
     assert_eq!(stepped.count(), 0);
 }
+
+/// A drive that is steady for hardly longer than a round, or only every second time, is measured
+/// now and then.
+#[test]
+fn interrupted_rounds_do_not_end_the_measurement() {
+    for (first, second) in [(165, 165), (180, 180), (250, 250), (320, 320), (100, 200), (60, 220), (100, 220)] {
+        let mut online = Online::new(32e-6, Motional::of_capacitance(300e-9, NOMINAL_HZ), NOMINAL_HZ, 20.0, 0.1);
+        let mut detunes = [0.0; LATENCY_BLOCKS];
+        let updates = (0..12 * (first + second)).filter(|&block| {
+            let detune_hz = core::mem::take(&mut detunes[block % LATENCY_BLOCKS]);
+            let hz = NOMINAL_HZ + detune_hz;
+            let volts = if block % (first + second) < first { 3.0 } else { 2.0 };
+            let noise = if block % 2 == 0 { 1e-4 } else { -1e-4 };
+            let i = admittance(300e-9, 20.0, hz, 0.0) * volts + Phasor::new(noise, -noise);
+            let sensed = Sensed { v: Phasor::new(volts, 0.0), i };
+            let sample = Sample { sensed: &sensed, relative: hz / NOMINAL_HZ, detune_hz, volts, steady: true };
+            let output = online.step(&sample);
+            detunes[block % LATENCY_BLOCKS] = output.detune_hz;
+            output.update.is_some()
+        });
+        let count = updates.count();
+        assert!(count >= 3, "{first} and {second} blocks: {count}");
+    }
+}
+
+#[test]
+fn c0_drifts_in_a_pause_until_the_next_seed() {
+    let prior = Motional::of_capacitance(300e-9, NOMINAL_HZ);
+    let mut online = Online::new(32e-6, prior, NOMINAL_HZ, 20.0, 3e-4);
+    online.seed(prior, 1e-4, NOMINAL_HZ, 20.0);
+    // 64 s.
+    (0..2_000_000).for_each(|_| online.rest());
+    assert!((online.deviation() / 0.0192 - 1.0).abs() < 1e-3, "{}", online.deviation());
+    online.seed(prior, 1e-4, NOMINAL_HZ, 20.0);
+    assert!((online.deviation() / 1e-4 - 1.0).abs() < 1e-3, "{}", online.deviation());
+}

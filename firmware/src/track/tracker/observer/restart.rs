@@ -26,7 +26,7 @@ impl Observer {
         } else if step > STEADY_VOLTAGE_REL * STEADY_VOLTAGE_REL * loudest {
             self.ringing.step(step);
         }
-        self.jump(current, self.noise + LEAK_REL * LEAK_REL * per_square * now);
+        self.jump(current, self.noise + self.ringing.variance() + LEAK_REL * LEAK_REL * per_square * now);
     }
 
     /// Returns `true` if a current without drive is only noise.
