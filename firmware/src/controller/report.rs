@@ -40,6 +40,8 @@ impl Controller {
         let serves = self.stages.follow.friction.is_some() || self.chain.restraint.is_some();
         let limit = match following {
             true if guard.mutes_request() => Some(Limit::BeltMuted),
+            // Before those that last: it explains the frequency of some blocks.
+            true if track.online.probes() => Some(Limit::Probing),
             true if guard.derating() < 1.0 => Some(Limit::Derated),
             true if generator.amplitude.limited() => Some(generator.amplitude.limit()),
             true if track.tracker.limited() || plan.limited => Some(Limit::FrequencyWindow),

@@ -220,7 +220,8 @@ numbered! {
     /// and friction stays HIGH in a crash.
     RestraintUnclassified = 105, "the seat has not classified its occupant", "check the seat's sensor";
     /// The drive steps by 7 % of the bandwidth to both sides of the resonance to measure the
-    /// clamped branch there: for some ring-down times after a lock or a change of the load.
+    /// clamped branch there: for some ring-down times after a lock or a change of the load, and as
+    /// often as `tracking.c0_drift_per_s` requires.
     Probing = 106, "the clamped capacitance is being measured", "none: it is over after some ring-down times";
     /// The drive may lose more than 1 % of the tip velocity, because a resonance nearby cannot be
     /// resolved. Either the measurement at the lock point has moved it by more than 7 % of the

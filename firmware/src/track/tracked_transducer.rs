@@ -214,7 +214,6 @@ impl TrackedTransducer {
     pub(crate) fn limit(&self, state: State) -> Option<Limit> {
         match state {
             State::Unmeasured => Some(Limit::NotTracking),
-            _ if self.online.probes() => Some(Limit::Probing),
             _ if self.learning.transducer().quality.is_lossy() => Some(Limit::LockUncertain),
             _ => None,
         }
