@@ -151,6 +151,31 @@ fn defects_during_a_run_are_identified() {
     }
 }
 
+/// A current that becomes one sample late turns by 7.2 degrees at 20 kHz, which moves the lock by
+/// 6 % of the bandwidth.
+#[test]
+fn a_current_one_sample_late_is_identified() {
+    for (hz, lm_h) in [(20e3, 3.17e-3), (28e3, 1.62e-3), (40e3, 0.792e-3)] {
+        for q in [50, 65, 80, 100, 300] {
+            let sets = [
+                format!("controller.drive.frequency_hz={hz}"),
+                format!("stack.bvd.series_resonance_hz={hz}"),
+                format!("stack.bvd.q={q}"),
+                format!("controller.tracking.nominal_q={q}"),
+                format!("controller.tracking.nominal_lm_h={lm_h}"),
+                "controller.limits.current_a=8".into(),
+                "sensors.i_full_scale_a=9".into(),
+                "fault.0.kind=current_late".into(),
+                "fault.0.at_s=0.15".into(),
+            ];
+            let (record, _) = observed(&sets.each_ref().map(String::as_str));
+            let faulted = record.rows.iter().find(|row| row.fault != 0).unwrap_or_else(|| panic!("{hz} Hz, Q {q}: no fault"));
+            assert_eq!(faulted.fault, Fault::SensorImplausible.code(), "{hz} Hz, Q {q}");
+            assert!((0.0..0.3e-3).contains(&(faulted.time_s - 0.15)), "{hz} Hz, Q {q}: {} s", faulted.time_s - 0.15);
+        }
+    }
+}
+
 /// A defect at power-on is identified before the ring-up.
 #[test]
 fn defects_at_power_on_are_identified() {

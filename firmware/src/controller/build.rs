@@ -121,8 +121,8 @@ impl Parts {
         };
         let supervisor = Supervisor::new(Acquisition::from_tracking(config.tracking.mode));
         let track = TrackedTransducer::build(config, tracker);
-        let (lanes, continuity) =
-            (Lanes::build(config, block_s), Continuity::build(config.drive.frequency_hz, block_s, config.limits.voltage_v));
+        let lanes = Lanes::build(config, block_s);
+        let continuity = Continuity::build(config.drive.frequency_hz, block_s, config.block_samples, config.limits.voltage_v);
         let chain = Chain {
             block: 0,
             supervisor,

@@ -75,7 +75,12 @@ impl Chain {
         let block =
             Steady { volts, offset_hz: played.offset_hz, v, i, motional, tracked, hard, unexplained: suspect.unexplained };
         let track = &self.track;
-        let load = || Load { periods: track.periods(), susceptance: track.online.motional().y0.im, noise: track.noise.1 };
+        let load = || {
+            let y0 = track.online.motional().y0;
+            // The motional current contains the noise of both channels.
+            let noise = track.noise.1 + y0.norm_sqr() * track.noise.0;
+            Load { periods: track.periods(), susceptance: y0.im, noise }
+        };
         // A block that is implausible by itself is judged by `electrical`, which needs some more
         // blocks.
         let broken = if self.guard.is_implausible() {

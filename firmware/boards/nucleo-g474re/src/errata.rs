@@ -126,7 +126,7 @@ pub const ERRATA: [Erratum; 20] = [
         sections: "2.7.6",
         limitation: "dual regular simultaneous mode, one DMA channel, OVRMOD = 0: the data of the slave may be shifted by a sample",
         handling: Handling::Handled {
-            how: "OVRMOD = 1 in both; OVR still ends the blocks",
+            how: "OVRMOD = 1 in both; OVR still ends the blocks. A current that becomes a sample late ends a tracked drive by fault 20, unless the stack rings for less than four blocks",
             test: Some(("sim-host/board-model/stm32g474/tests/part/rules/converters.rs", "Rule::AdcDualFifo")),
         },
         source: "Zephyr driver for the STM32G474; rusefi issue 9597 and ChibiOS pull request 64 (ArduPilot) for related parts",
