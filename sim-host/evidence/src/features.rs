@@ -126,7 +126,7 @@ mod tests {
         let without: Vec<&str> =
             FEATURES.iter().enumerate().filter(|(place, _)| cell(&ran, *place) == "none").map(|(_, (name, _))| *name).collect();
         // Other tests run these: docs/evidence/features.md names them.
-        assert_eq!(without, ["drift of the clamped capacitance", "soft edges"]);
+        assert_eq!(without, ["soft edges"]);
     }
 
     #[test]
