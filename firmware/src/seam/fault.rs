@@ -90,10 +90,11 @@ numbered! {
     /// for 8 blocks: the voltage deviates by 15 % from its mean, unless a source of 5 ohm or a
     /// delay of 100 us explains it; or it exceeds 1.2 times the command; or it exceeds 1.15 times
     /// `limits.voltage_v`. At a tracked resonance: the tone leaves a tenth of a channel's energy
-    /// unexplained, or the motional current jumps, although it needs a time constant to change.
-    /// Detected within 8 blocks; with several lanes within 16 and a visit to each. Under a
-    /// measuring tone, for 8 blocks (16 with several lanes): the voltage exceeds that limit or is
-    /// not a tone. In silence, for as long: the voltage exceeds that limit.
+    /// unexplained; or the motional current jumps, although it needs a time constant to change; or
+    /// the current becomes a sample late. Detected within 8 blocks; with several lanes within 16
+    /// and a visit to each. Under a measuring tone, for 8 blocks (16 with several lanes): the
+    /// voltage exceeds that limit or is not a tone. In silence, for as long: the voltage exceeds
+    /// that limit.
     SensorImplausible = 20, "sense channel implausible",
         "a sense line is open, stuck or offset, or the amplifier is off or its gain too high; if it ends a run, the \
          self-test of the next `lock` shows more";

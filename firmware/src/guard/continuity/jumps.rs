@@ -11,7 +11,7 @@ use crate::seam::phasor::Phasor;
 const JUMP_ARM_BLOCKS: u32 = 10;
 /// Smallest jump of the motional current that is judged, relative to the current.
 const JUMP_REL: f32 = 0.15;
-/// Largest deviation of a jump from that of a current which becomes one sample late, relative to it.
+/// Largest deviation of a jump from that of a current that becomes one sample late, relative to it.
 const LATE_REL: f32 = 0.25;
 /// Largest change of the motional current just before and just after a jump, relative to the jump.
 const LEVEL_REL: f32 = 0.3;

@@ -26,8 +26,9 @@ fn a_current_jump_is_not_a_load() {
     }
 }
 
-/// A sample is 3.6 to 10 degrees here, less than the jump that is judged otherwise. A smaller turn, or
-/// one the other way, is accepted, and so is a loss of three quarters of the clamped capacitance.
+/// A sample is 3.6 to 10 degrees here, less than the jump that is judged otherwise. A smaller turn,
+/// or one the other way, is accepted, and so is a loss of three quarters of the clamped
+/// capacitance.
 #[test]
 fn a_current_one_sample_late_is_not_a_load() {
     for (hz, ratio) in
