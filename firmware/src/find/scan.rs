@@ -232,8 +232,9 @@ impl Scan {
         self.still_blocks += 1;
         match self.stage {
             Stage::Window(part) => {
-                // Restarted here, as nothing is measured yet; the last block has no spare time.
-                if self.blocks == 1 {
+                // Restarted here, as nothing is measured yet; the last block has no spare time, and
+                // the first one prepares the reference.
+                if self.blocks == 2 {
                     let (blocks, samples) = self.measured();
                     let most = if self.parts > 1 { MOST_OF_A_PART } else { MOST_MODES };
                     self.search.restart(&self.bare, most, blocks, samples);
@@ -362,13 +363,15 @@ impl Scan {
     /// Processes a block of a sweep. Returns the next tone, or `None` after the last block.
     fn sweep(&mut self, convert: &Convert, sense: &SenseBlock, sensed: &Sensed) -> Option<Step> {
         self.reduce_voltage(sensed);
-        if self.blocks + 1 == LEAD_BLOCKS {
-            self.baseband.prepare(self.block_samples as usize, convert.v.max_code());
-        }
-        if self.blocks >= LEAD_BLOCKS {
-            let sensed = self.baseband.process(convert, sense);
-            if self.blocks > LEAD_BLOCKS {
-                self.spectrum.add(&sensed);
+        const { assert!(LEAD_BLOCKS >= 3, "the reference is prepared in two blocks before the first measured one") };
+        match self.blocks {
+            1 => self.baseband.prepare(),
+            2 => self.baseband.weigh(self.block_samples as usize, convert.v.max_code()),
+            _ => {
+                let sensed = self.baseband.process(convert, sense);
+                if self.blocks > LEAD_BLOCKS {
+                    self.spectrum.add(&sensed);
+                }
             }
         }
         self.still_blocks = 0;
