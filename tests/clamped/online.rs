@@ -69,8 +69,8 @@ impl Locked {
             (offset_hz + next, VOLTS)
         });
         (self.offset_hz, self.detunes[slot]) = (offset_hz, next);
-        if let Some(update) = update {
-            self.motional = update.motional;
+        if let (Some(_), Some(online)) = (&update, &online) {
+            self.motional = online.motional();
         }
         update
     }

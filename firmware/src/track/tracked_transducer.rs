@@ -186,7 +186,7 @@ impl TrackedTransducer {
     // Not inlined: once a round.
     #[inline(never)]
     pub(crate) fn apply_update(&mut self, update: &Update) {
-        self.tracker.set_branch(update.motional, update.deviation, update.was_off);
+        self.tracker.set_branch(self.online.motional(), self.online.deviation(), update.was_off);
         self.tracker.take_q((update.q.value, update.q.deviation));
         if let Some((was_off, transducer)) = update.was_off.zip(self.latest_transducer()) {
             // An error of the susceptance equal to the conductance moves the lock point by half a

@@ -13,6 +13,7 @@
 //!   point. There, another resonance nearby adds to the susceptance, and images of the drive to the
 //!   axis; a round removes half of the latter error;
 //! - after an abrupt change of the load, because C0 may have changed with it;
+//! - after a round that has corrected the branch;
 //! - if C0 is configured to drift, once its possible drift exceeds the target deviation.
 
 mod balance;
@@ -53,8 +54,8 @@ const TARGET_DEVIATION_REL: f32 = 7e-4;
 const ELSEWHERE_DEVIATION_REL: f32 = 0.02;
 /// Range of plausible relative changes of C0 during operation.
 const PLAUSIBLE_CHANGE_REL: core::ops::Range<f32> = -0.6..1.5;
-/// Minimum error of the initial branch that is corrected, relative to the motional conductance:
-/// 0.15 % of the bandwidth.
+/// Minimum error of the initial branch that is corrected, and correction that another round checks,
+/// relative to the motional conductance: 0.15 % of the bandwidth.
 const MIN_CORRECTION_REL: f32 = 0.003;
 /// Maximum time constant for rounds that are not due to drift, s. A round takes 16 to 20 time
 /// constants, and the longer they are, the smaller is the error of the lock point in hertz.
@@ -81,15 +82,9 @@ pub struct Sample<'a> {
     pub steady: bool,
 }
 
-/// New estimate of the clamped branch.
+/// Result of a round; the new estimate is [`Online::motional`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Update {
-    /// Clamped branch from all measurements so far.
-    pub motional: Motional,
-    /// Relative standard deviation of the susceptance of the clamped branch.
-    pub(crate) deviation: f32,
-    /// Relative excess of the estimate of this round alone, and its standard deviation.
-    pub(crate) round: (f32, f32),
     /// Error of the branch at the start of a lock beyond three standard deviations, relative to the
     /// motional conductance; `None` later.
     pub(crate) was_off: Option<f32>,
@@ -97,7 +92,7 @@ pub struct Update {
     pub(crate) q: Measured,
 }
 
-/// Output of the estimator after a block: detuning of the drive, and estimate.
+/// Output of the estimator after a block: detuning of the drive, and result.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Output {
     /// Distance from the lock point to drive at, Hz.
@@ -105,7 +100,7 @@ pub struct Output {
     /// `true` if the measured block had not settled after a step, so that its phase is not that of
     /// a steady state.
     pub hold: bool,
-    /// New estimate, at the end of a round.
+    /// Result of a round, at its end.
     pub update: Option<Update>,
 }
 
@@ -132,8 +127,7 @@ pub struct Online {
     /// Blocks measured since the last step.
     settled: u32,
     last_hz: f32,
-    /// Sums below and above the lock point.
-    sides: [Side; 2],
+    evaluation: Evaluation,
     doubted: bool,
     /// Reason of the next round.
     due: Due,
@@ -143,12 +137,29 @@ pub struct Online {
     volts: f32,
 }
 
+/// Progress of a round.
+#[derive(Clone, Copy, Debug)]
+enum Evaluation {
+    /// Sums below and above the lock point.
+    Measuring([Side; 2]),
+    /// Result of both; `None` if it is not finite.
+    Balanced(Option<Balance>),
+    /// Result of the round; `None` if it is discarded.
+    Over(Option<Update>),
+}
+
+impl Default for Evaluation {
+    fn default() -> Self {
+        Evaluation::Measuring([Side::default(); 2])
+    }
+}
+
 /// Reason for a round.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Due {
     /// Start of a lock.
     Begun,
-    /// Abrupt change of load or resonance.
+    /// Abrupt change of load or resonance, or a correction.
     Changed,
     /// Possible drift of C0.
     Drift,
@@ -185,7 +196,7 @@ impl Online {
             round: 0,
             settled: 0,
             last_hz: 0.0,
-            sides: [Side::default(); 2],
+            evaluation: Evaluation::default(),
             doubted: false,
             due: Due::Begun,
             steady: 0,
@@ -202,7 +213,8 @@ impl Online {
         (self.variance, self.unmeasured) = (deviation * deviation, 0);
         self.set_resonance(resonance_hz, q);
         self.slope = Phasor::new(0.0, 0.0);
-        self.stop();
+        self.begin();
+        self.steady = 0;
         (self.doubted, self.due, self.settled, self.waits) = (false, Due::Begun, u32::MAX, false);
     }
 
@@ -231,7 +243,7 @@ impl Online {
         self.round > 0
     }
 
-    /// Returns `true` after an abrupt change that no round has measured yet.
+    /// Returns `true` if another round must check the branch, after an abrupt change or a correction.
     pub(crate) fn doubts(&self) -> bool {
         self.due == Due::Changed
     }
@@ -284,7 +296,7 @@ impl Online {
         self.unmeasured = self.unmeasured.saturating_add(1);
     }
 
-    /// Processes a block and returns the detuning to drive at, and a new estimate after a round.
+    /// Processes a block and returns the detuning to drive at, and the result after a round.
     // Not inlined: few blocks need it, and the others must not pay for its registers.
     #[inline(never)]
     pub fn step(&mut self, sample: &Sample) -> Output {
@@ -294,14 +306,21 @@ impl Online {
         self.last_hz = sample.detune_hz;
         let hold = self.settled < self.settle_blocks;
         let before_v = core::mem::replace(&mut self.volts, sample.volts);
-        if !sample.steady || self.steady > 0 && is_step(before_v, sample.volts) {
-            self.stop();
+        let steady = sample.steady && !(self.steady > 0 && is_step(before_v, sample.volts));
+        self.steady = if steady { self.steady.saturating_add(1) } else { 0 };
+        let last = self.round_blocks() + LATENCY_BLOCKS as u32 + 1;
+        if self.round >= last || !matches!(self.evaluation, Evaluation::Measuring(_)) {
+            // In blocks of its own, steady or not: measuring and evaluation together are too long
+            // for one.
+            return Output { hold, update: self.evaluate(), ..Output::default() };
+        }
+        if !steady {
+            self.begin();
             return Output { hold, ..Output::default() };
         }
-        self.steady = self.steady.saturating_add(1);
         // An incomplete ring-up would look like a susceptance.
         let wait = if self.waits { WAIT } else { 1 };
-        if self.round == 0 && (self.steady < wait * self.settle_blocks || self.has_little_drift()) {
+        if self.round == 0 && (self.steady < wait * self.settle_blocks || !self.is_due()) {
             return Output { hold, ..Output::default() };
         }
         if self.round == 0 {
@@ -311,28 +330,38 @@ impl Online {
         }
         self.listen(sample, hold);
         self.round += 1;
-        if self.round <= self.round_blocks() + LATENCY_BLOCKS as u32 {
-            return Output { detune_hz: self.probe_hz(), hold, update: None };
+        Output { detune_hz: self.probe_hz(), hold, update: None }
+    }
+
+    /// Advances the evaluation by one part. Returns the result after the last one.
+    fn evaluate(&mut self) -> Option<Update> {
+        match self.evaluation {
+            Evaluation::Measuring([ref below, ref above]) => {
+                self.evaluation = Evaluation::Balanced(Balance::from_sides(below, above));
+            }
+            Evaluation::Balanced(balance) => {
+                self.waits = false;
+                self.evaluation = Evaluation::Over(balance.and_then(|balance| self.weigh(&balance)));
+            }
+            Evaluation::Over(update) => {
+                self.begin();
+                return update;
+            }
         }
-        self.waits = false;
-        let update = self.finish();
-        self.begin();
-        Output { hold, update, ..Output::default() }
+        None
     }
 
-    fn stop(&mut self) {
-        self.steady = 0;
-        self.begin();
-    }
-
+    /// Ends or discards the present round.
     fn begin(&mut self) {
-        self.round = 0;
-        self.sides = [Side::default(); 2];
+        if self.round > 0 {
+            (self.round, self.evaluation) = (0, Evaluation::default());
+        }
     }
 
-    /// Returns `true` if C0 cannot have drifted enough for a round.
-    fn has_little_drift(&self) -> bool {
-        self.due == Due::Drift && self.variance() < TARGET_DEVIATION_REL * TARGET_DEVIATION_REL
+    /// Returns `true` if a round is due, apart from the time that the drive must be steady.
+    fn is_due(&self) -> bool {
+        let has_drifted = || self.variance() >= TARGET_DEVIATION_REL * TARGET_DEVIATION_REL;
+        self.may_be_due() && (self.due != Due::Drift || has_drifted())
     }
 
     /// Returns `true` if a round may be due; with a configured drift the variance must be advanced.
@@ -369,7 +398,8 @@ impl Online {
 
     fn listen(&mut self, sample: &Sample, hold: bool) {
         let square = sample.sensed.v.norm_sqr();
-        let side = &mut self.sides[usize::from(sample.detune_hz > 0.0)];
+        let Evaluation::Measuring(sides) = &mut self.evaluation else { return };
+        let side = &mut sides[usize::from(sample.detune_hz > 0.0)];
         if hold || sample.detune_hz.abs() < 0.5 * self.step_hz || square == 0.0 {
             side.pause();
             return;
@@ -378,11 +408,10 @@ impl Online {
         side.add(self.motional.phase_of(current, sample.sensed.v) / square, sample.relative);
     }
 
-    /// Evaluates the round.
-    fn finish(&mut self) -> Option<Update> {
-        let [below, above] = &self.sides;
+    /// Weighs the result of the round against the previous estimate.
+    fn weigh(&mut self, balance: &Balance) -> Option<Update> {
         let susceptance = self.motional.y0.im;
-        let Balance { susceptance: b, variance, conductance, q } = Balance::from_sides(below, above)?;
+        let Balance { susceptance: b, variance, conductance, q } = *balance;
         (self.variance, self.unmeasured) = (self.variance(), 0);
         let (found, variance) = (b / susceptance, variance / (susceptance * susceptance));
         // So large a change is not one of the clamped capacitance.
@@ -408,20 +437,15 @@ impl Online {
             self.variance += found * found;
         }
         self.doubted = false;
-        self.due = Due::Drift;
         let was_off = begun.then(|| (found.abs() - MARGIN_SIGMAS * fpu::sqrtf(variance)).max(0.0) / conductance);
 
         let gain = if agrees { 0.0 } else { self.variance / (self.variance + variance) };
         self.variance *= 1.0 - gain;
+        // A round is less accurate the further the branch is off, so that a correction is checked.
+        self.due = if gain * found.abs() < MIN_CORRECTION_REL * conductance { Due::Drift } else { Due::Changed };
         // Along the clamped susceptance as rotated by the sensing chain.
         self.motional.y0 += self.motional.axis * Phasor::new(0.0, gain * b);
-        Some(Update {
-            motional: self.motional,
-            deviation: self.deviation(),
-            round: (found, fpu::sqrtf(variance)),
-            was_off,
-            q: Measured { value: q.value * self.unsettled(), ..q },
-        })
+        Some(Update { was_off, q: Measured { value: q.value * self.unsettled(), ..q } })
     }
 }
 

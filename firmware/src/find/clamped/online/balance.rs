@@ -64,6 +64,7 @@ impl Side {
 }
 
 /// Result of both sides.
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Balance {
     /// Error of the assumed clamped susceptance, S; positive if the true one is larger.
     pub(super) susceptance: f32,
