@@ -154,6 +154,8 @@ impl FrictionSwitch {
     }
 
     /// Discards the identified contact and restarts the survey.
+    // Not inlined: it has two callers.
+    #[inline(never)]
     pub(crate) fn restart(&mut self) {
         let max_tip_m_per_s = self.most_amperes / self.force_factor;
         let (settle, average) = (self.settle_blocks, self.average_blocks);

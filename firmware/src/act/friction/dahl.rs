@@ -145,7 +145,7 @@ impl Stroke {
 }
 
 /// Evaluation of a friction ratio, in progress.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Evaluation {
     xi: f32,
     strokes: [Stroke; 2],

@@ -77,8 +77,13 @@ struct Trial {
     cost: f32,
 }
 
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 enum Stage {
+    /// Takes observations, or is over.
+    #[default]
+    Idle,
+    /// Has all observations.
+    Begun,
     /// Evaluates one of the initial lengths.
     Start(u32),
     /// Evaluates the derivative by one of the parameters.
@@ -88,7 +93,7 @@ enum Stage {
 }
 
 /// Fit in progress.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Fit {
     omega: f32,
     observations: Vec<Observation, AMPLITUDES>,
@@ -104,26 +109,34 @@ pub(crate) struct Fit {
 }
 
 impl Fit {
-    /// Starts with the observations at a drive of `omega`, rad/s.
-    pub(crate) fn new(omega: f32, observations: Vec<Observation, AMPLITUDES>) -> Self {
-        let mut fit = Fit {
-            omega,
-            observations,
-            stage: Stage::Start(0),
-            best: Trial { cost: f32::INFINITY, ..Trial::default() },
-            slopes: [[0.0; AMPLITUDES]; 2],
-            trial: Trial::default(),
-            at: 0,
-            evaluation: Evaluation::new(1.0, 0.0),
-            damping: 0.01,
-            trials: 0,
-        };
-        fit.start_at(0);
-        fit
+    /// Creates a fit without observations for a drive of `omega`, rad/s.
+    pub(crate) fn new(omega: f32) -> Self {
+        Fit { omega, best: Trial { cost: f32::INFINITY, ..Trial::default() }, damping: 0.01, ..Fit::default() }
+    }
+
+    /// Takes the observation at the next amplitude. The last one begins the fit.
+    pub(crate) fn observe(&mut self, observation: Observation) {
+        // There is room for one observation per amplitude.
+        let _ = self.observations.push(observation);
+        if self.observations.is_full() {
+            self.stage = Stage::Begun;
+        }
+    }
+
+    /// Returns the observations so far.
+    pub(crate) fn observations(&self) -> &[Observation] {
+        &self.observations
     }
 
     /// Advances by one step of an evaluation or of the fit. Returns the contact once it is found.
     pub(crate) fn step(&mut self) -> Option<Contact> {
+        if self.stage == Stage::Idle {
+            return None;
+        }
+        if self.stage == Stage::Begun {
+            self.start_at(0);
+            return None;
+        }
         if self.at >= self.observations.len() {
             self.trial.cost = self.cost();
             return self.judge();
@@ -139,6 +152,7 @@ impl Fit {
 
     fn judge(&mut self) -> Option<Contact> {
         match self.stage {
+            Stage::Idle | Stage::Begun => {}
             Stage::Start(n) => {
                 self.keep_better();
                 if n + 1 < STARTS { self.start_at(n + 1) } else { self.slope(0) }
@@ -158,6 +172,7 @@ impl Fit {
                 self.damping *= if better { 0.1 } else { 10.0 };
                 self.trials += 1;
                 if self.trials >= MAX_TRIALS || moved < CONVERGED_STEP {
+                    self.stage = Stage::Idle;
                     return Some(self.contact());
                 }
                 if better { self.slope(0) } else { self.step_down() }
@@ -254,7 +269,7 @@ mod tests {
 
     /// Returns the observations of a contact at three amplitudes, if the measured speed is
     /// `1 / scale` of the true one, with errors of the ratios.
-    fn observed(length: f32, scale: f32, errors: [f32; 3]) -> Vec<Observation, AMPLITUDES> {
+    fn observed(length: f32, scale: f32, errors: [f32; 3]) -> [Observation; AMPLITUDES] {
         let speed = 0.038;
         let tips = [0.175, 0.088, 0.0447];
         let observation = |(tip, error): (f32, f32)| Observation {
@@ -262,11 +277,12 @@ mod tests {
             tip_m_per_s: tip,
             ratio: friction_ratio(speed / tip, tip / (OMEGA * length)) + error,
         };
-        tips.into_iter().zip(errors).map(observation).collect()
+        core::array::from_fn(|n| observation((tips[n], errors[n])))
     }
 
-    fn fit(observations: Vec<Observation, AMPLITUDES>) -> (Contact, u32) {
-        let mut fit = Fit::new(OMEGA, observations);
+    fn fit(observations: [Observation; AMPLITUDES]) -> (Contact, u32) {
+        let mut fit = Fit::new(OMEGA);
+        observations.into_iter().for_each(|observation| fit.observe(observation));
         let mut steps = 0;
         loop {
             steps += 1;
@@ -326,7 +342,6 @@ mod tests {
             let (contact, steps) = fit(observed(0.5e-6, 1.0, errors));
             assert!(contact.dahl_length_m > 0.0 && contact.dahl_length_m.is_finite() && steps < 1000, "{errors:?}: {contact:?}");
         }
-        let (contact, _) = fit(Vec::new());
-        assert!(contact.dahl_length_m > 0.0, "{contact:?}");
+        assert!(Fit::new(OMEGA).step().is_none());
     }
 }

@@ -14,8 +14,6 @@
 //! that is added to each burst, the **dead time**. It is caused by edges, by the memory of the
 //! contact, and by gates that wait for a zero crossing.
 
-use heapless::Vec;
-
 use super::fit::{AMPLITUDES, Contact, Fit, Observation};
 
 /// Velocity ratio of the smallest amplitude.
@@ -116,7 +114,6 @@ impl Means {
 /// Survey in progress.
 #[derive(Clone, Debug)]
 pub(crate) struct Survey {
-    omega: f32,
     /// Maximum tip velocity, m/s.
     max_tip_m_per_s: f32,
     settle_blocks: u32,
@@ -130,8 +127,7 @@ pub(crate) struct Survey {
     coulomb_n: f32,
     /// Sliding speed without vibration, m/s.
     speed: f32,
-    observations: Vec<Observation, AMPLITUDES>,
-    fit: Option<Fit>,
+    fit: Fit,
     contact: Option<Contact>,
 }
 
@@ -147,7 +143,6 @@ impl Survey {
         burst_blocks: Option<u32>,
     ) -> Self {
         Survey {
-            omega,
             max_tip_m_per_s,
             settle_blocks,
             average_blocks: average_blocks.max(1),
@@ -157,8 +152,7 @@ impl Survey {
             means: Means::default(),
             coulomb_n: 0.0,
             speed: 0.0,
-            observations: Vec::new(),
-            fit: None,
+            fit: Fit::new(omega),
             contact: None,
         }
     }
@@ -197,7 +191,7 @@ impl Survey {
         if !PLAUSIBLE_RATIOS.contains(&ratio) {
             return Progress::Implausible;
         }
-        if let (Place::Bursts, Some(contact), Some(largest)) = (self.place, self.contact, self.observations.first()) {
+        if let (Place::Bursts, Some(contact), Some(largest)) = (self.place, self.contact, self.fit.observations().first()) {
             let part = (1.0 - ratio) / (1.0 - largest.ratio);
             // If the maximum amplitude has no effect, bursts have none either.
             let dead = if part.is_finite() { (part - TRIAL_DUTY).clamp(-TRIAL_DUTY, TRIAL_DUTY) } else { 0.0 };
@@ -205,13 +199,9 @@ impl Survey {
         }
         let tip_m_per_s = means.of_blocks(means.tip);
         let observation = Observation { speed_m_per_s: means.of_blocks(means.speed), tip_m_per_s, ratio };
-        // There is room for one observation per amplitude.
-        let _ = self.observations.push(observation);
-        self.place = match self.observations.len() {
-            AMPLITUDES => {
-                self.fit = Some(Fit::new(self.omega, self.observations.clone()));
-                Place::Fit
-            }
+        self.fit.observe(observation);
+        self.place = match self.fit.observations().len() {
+            AMPLITUDES => Place::Fit,
             next => Place::Driven(next),
         };
         Progress::Busy(self.play())
@@ -219,8 +209,8 @@ impl Survey {
 
     /// Advances the fit during its stage, for blocks with spare time.
     pub(crate) fn work(&mut self) {
-        if let Some(contact) = self.fit.as_mut().and_then(Fit::step) {
-            (self.fit, self.contact) = (None, Some(contact));
+        if let Some(contact) = self.fit.step() {
+            self.contact = Some(contact);
         }
     }
 
