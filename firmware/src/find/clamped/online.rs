@@ -243,7 +243,7 @@ impl Online {
         self.round > 0
     }
 
-    /// Returns `true` if another round must check the branch, after an abrupt change or a correction.
+    /// Returns `true` if another round must check the branch: after a load change or a correction.
     pub(crate) fn doubts(&self) -> bool {
         self.due == Due::Changed
     }
