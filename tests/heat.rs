@@ -72,7 +72,7 @@ fn a_held_velocity_reaches_the_fixed_point() {
 fn a_drifting_c0_is_measured_while_the_velocity_is_held() {
     let drifts = ["stack.bvd.temperature_c0_per_k=0.003", "controller.tracking.c0_drift_per_s=0.1"];
     let error_hz = metric(&outcome("self-heating", &drifts), "frequency_error_max_hz");
-    // Measured: 1.8 Hz; if C0 is not measured again, 26 Hz.
+    // Measured: 1.6 Hz; if C0 is not measured again, 26 Hz.
     assert!(error_hz < 2.0, "{error_hz} Hz");
 }
 
