@@ -188,7 +188,7 @@ pub const METRICS: &[Metric] = &[
     row("lock_misfit", "1", Magnitude, Identified, "Rms residual of the fitted circuit, relative to the expected one"),
     row("fault_code", "1", Code, End, "Number of the fault that ended the run; 0 for none"),
     row("fault_latency_us", "us", Magnitude, Event, "From the scene's first fault to the first sample without drive after the controller has entered the fault state and discarded its queue; if the drive was muted before that (limit 101), to the first block without drive"),
-    row("limit_code", "1", Code, End, "Number of the limit in the last block with drive, apart from measurements of C0; 0 for none"),
+    row("limit_code", "1", Code, End, "Number of the limit in the last block with drive, or before a measurement of C0 in it; 0 for none"),
     row("belt_stop_to_mute_ms", "ms", Magnitude, Event, "From the time when the belt becomes slower than `1 / (n T)`, the lowest speed at which counts arrive in time, or when its encoder fails, to the first block without drive; absent if the drive was OFF then"),
     row("ring_down_ms", "ms", Magnitude, Event, "From the first block without drive (see `belt_stop_to_mute_ms`) to 5 % of the tip velocity before it"),
     row("exposure_j_per_mm", "J/mm", Magnitude, Run, "Largest energy into the motional branch while any one millimetre of belt passes or stands still"),

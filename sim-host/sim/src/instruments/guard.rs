@@ -28,11 +28,11 @@ impl Instrument for Guard {
 }
 
 /// Returns the number of the limit in the last block under drive, or zero. A measurement of the
-/// clamped capacitance hides the limit that lasts; it counts only if there is nothing else.
+/// clamped capacitance does not hide a limit that lasts.
 fn limit_code(run: &View) -> Option<u8> {
     let mut driven = run.rows.iter().rev().filter(|row| row.drive_v > 0.0);
     let last = driven.clone().next();
-    driven.find(|row| !row.probes()).or(last).map(|row| row.limit)
+    driven.find(|row| !row.probes()).filter(|row| row.limit != 0).or(last).map(|row| row.limit)
 }
 
 /// Returns the time from the first fault of the scene to the first sample without drive: the
