@@ -8,7 +8,7 @@ use crate::forcing::INVERSE;
 #[inline]
 pub fn value<const N: usize>(c: &[f64; N], s: f64) -> f64 {
     let square = s * s;
-    let part = |first: usize| c.iter().skip(first).step_by(2).rev().copied().reduce(|sum, c| sum * square + c).unwrap_or(0.0);
+    let part = |first: usize| every_second::<N, _>(first, |k| c[k], |sum, c| sum * square + c);
     part(0) + s * part(1)
 }
 
@@ -16,9 +16,7 @@ pub fn value<const N: usize>(c: &[f64; N], s: f64) -> f64 {
 #[inline]
 pub fn slope<const N: usize>(c: &[f64; N], s: f64) -> f64 {
     let square = s * s;
-    let term = |(k, c): (usize, &f64)| k as f64 * c;
-    let terms = |first: usize| c.iter().enumerate().skip(first).step_by(2).rev().map(term);
-    let part = |first: usize| terms(first).reduce(|sum, c| sum * square + c).unwrap_or(0.0);
+    let part = |first: usize| every_second::<N, _>(first, |k| k as f64 * c[k], |sum, c| sum * square + c);
     part(1) + s * part(2)
 }
 
@@ -26,11 +24,24 @@ pub fn slope<const N: usize>(c: &[f64; N], s: f64) -> f64 {
 #[inline]
 pub fn integral<const N: usize>(c: &[f64; N], s: f64) -> f64 {
     let square = s * s;
-    let term = |(c, over): (&f64, &f64)| c * over;
-    let part = |first: usize| {
-        c.iter().zip(&INVERSE[..N]).skip(first).step_by(2).rev().map(term).fold(0.0, |sum, term| sum * square + term)
-    };
+    let part = |first: usize| every_second::<N, _>(first, |k| c[k] * INVERSE[k], |sum, c| sum * square + c);
     (part(0) + s * part(1)) * s
+}
+
+/// Combines every second one of `N` terms, from the last down to `first`; zero if there is none.
+/// A loop over indices, which the compiler unrolls; it does not unroll one over iterators.
+#[inline(always)]
+pub(super) fn every_second<const N: usize, T: Default>(first: usize, term: impl Fn(usize) -> T, add: impl Fn(T, T) -> T) -> T {
+    if N <= first {
+        return T::default();
+    }
+    let mut k = N - 1 - (N - 1 - first) % 2;
+    let mut sum = term(k);
+    while k >= first + 2 {
+        k -= 2;
+        sum = add(sum, term(k));
+    }
+    sum
 }
 
 /// Returns the product, truncated to the same number of coefficients.

@@ -9,7 +9,7 @@
 use super::Options;
 use super::decay::decay;
 use super::quadrature::{End, Nodes};
-use super::simd_nodes::{Lanes, Places, SimdNodes, place, values};
+use super::simd_nodes::{Lanes, Places, SimdNodes, combine, place, values};
 use super::substep::{Piece, Substep};
 use crate::forcing::Forcing;
 use crate::method::oscillator::{KERNEL, Oscillator};
@@ -28,11 +28,67 @@ pub(super) const SHORTEST_PART: f64 = 1e-12;
 pub(super) const LOCATION_TOLERANCE: f64 = 3e-4;
 /// Distance of friction from its bound, over Fc, below which it does not change.
 const SATURATION_DISTANCE: f64 = 1e-15;
+/// Number of times that friction at the nodes and the motion under it are computed from each other.
+pub(super) const PASSES: usize = 2;
+/// The same number if the motion has much effect on friction.
+const EXACT_PASSES: usize = 4;
 /// Exponent whose third power is below round-off.
 pub(super) const SMALL_EXPONENT: f64 = 1e-5;
 
+/// Friction at the nodes of a piece and the motion that it sets back, each as a function of the
+/// other.
+pub(super) struct Feedback<const K: usize>
+where
+    Nodes<K>: Places,
+{
+    /// Sign of the slip velocity.
+    pub sense: f64,
+    /// Initial friction minus its bound, over Fc.
+    pub excess: f64,
+    /// Exponent of friction per slip, 1/m.
+    pub steep: f64,
+    /// Sign of x' in the slip velocity.
+    pub sign: f64,
+    /// Slip without kicks, m.
+    pub slips: Lanes<K>,
+    /// First terms of friction.
+    pub predicted: Lanes<K>,
+    /// Kick per friction over Fc, m/s.
+    pub weights: Lanes<K>,
+    /// Displacement by kicks of an earlier piece, m.
+    pub earlier: Lanes<K>,
+    /// Displacement per kick at each node, s.
+    pub answers: [Lanes<K>; K],
+}
+
+impl<const K: usize> Feedback<K>
+where
+    Nodes<K>: Places,
+{
+    /// Returns friction over Fc and kicks at the nodes, the displacement by the kicks, m, and
+    /// friction at the end, all by exponentials of the whole slip.
+    #[cold]
+    pub fn exact(&self) -> (Lanes<K>, Lanes<K>, Lanes<K>, f64) {
+        // A slip against its sign is round-off: friction must not grow by it.
+        let force = |back: Lanes<K>, lane: usize| {
+            let exponent = self.steep * self.sign * back.lane(lane) - self.steep * self.slips.lane(lane);
+            self.sense + self.excess * exponent.min(0.0).exp()
+        };
+        let (mut back, mut forces, mut kicks) = (self.earlier, self.predicted, self.predicted);
+        for _ in 0..EXACT_PASSES {
+            forces = Lanes::<K>::each(|lane| force(back, lane));
+            kicks = (forces - self.predicted) * self.weights;
+            back = self.earlier + combine(kicks, &self.answers);
+        }
+        (forces, kicks, back, force(back, Lanes::<K>::END))
+    }
+}
+
 /// State and sums of a run; the motion within a part has `N` coefficients.
-pub(super) struct Exact<const K: usize, const N: usize> {
+pub(super) struct Exact<const K: usize, const N: usize>
+where
+    Nodes<K>: Places,
+{
     pub oscillator: Oscillator,
     /// Displacement, m.
     pub x: f64,
@@ -64,6 +120,9 @@ pub(super) struct Exact<const K: usize, const N: usize> {
     pub meter: Meter,
     kt: f64,
     pub kernel: [f64; KERNEL],
+    /// Displacement at the evaluation points of a piece from a kick at each node, for each power of
+    /// the kernel from the first on.
+    pub answers: [[Lanes<K>; K]; KERNEL - 1],
     /// `true` if the energies are added up.
     pub with_sums: bool,
     /// `true` if friction acts on the motion.
@@ -101,6 +160,7 @@ where
             meter,
             kt,
             kernel: oscillator.kernel(),
+            answers: std::array::from_fn(|n| Nodes::<K>::answers(|since| since.powi(n as i32 + 1))),
             with_sums,
             coupled: !oscillator.kinematic && options != Options::Frozen,
             turned: false,
@@ -256,37 +316,81 @@ where
 
     /// Computes the slip from one moment of a part to another; the present state is that at `from`.
     fn piece(&self, part: &mut Substep<N>, from: f64, to: f64) -> Piece<K> {
+        let all = Lanes::<K>::all;
         let (length, s, excess) = (to - from, self.sense, self.f - self.sense);
         let end = Lanes::<K>::END;
         let places = Lanes::<K>::each(|lane| if lane < K { from + length * place::<K>(lane) } else { to });
-        // The slip from the polynomial, and the friction it gives; kicks of this part are added to
-        // second order.
-        let slide = (places - Lanes::<K>::all(from)) * Lanes::<K>::all(self.sliding * part.unit_s);
+        // The slip from the polynomial, and the friction it gives.
+        let slide = (places - all(from)) * all(self.sliding * part.unit_s);
         let there = values(&part.x, places);
-        let slips = slide + (there - Lanes::<K>::all(self.x)) * Lanes::<K>::all(self.sign);
-        let decays = decay(slips * Lanes::<K>::all(self.per_metre * s));
-        let predicted = values(&part.f, places);
-        let force = |lane: usize, back: f64| {
-            let late = self.per_metre * s * self.sign * back;
-            if late.abs() < SMALL_EXPONENT {
-                s + excess * decays.lane(lane) * (1.0 + late * (1.0 + 0.5 * late))
-            } else {
-                // A slip against its sign is round-off: friction must not grow by it.
-                s + excess * (late - self.per_metre * s * slips.lane(lane)).min(0.0).exp()
-            }
+        let slips = slide + (there - all(self.x)) * all(self.sign);
+        let decays = decay(slips * all(self.per_metre * s));
+        let length_s = length * part.unit_s;
+        let feedback = Feedback {
+            sense: s,
+            excess,
+            steep: self.per_metre * s,
+            sign: self.sign,
+            slips,
+            predicted: values(&part.f, places),
+            weights: Nodes::<K>::weights(length_s * self.push),
+            earlier: self.earlier(part, places),
+            answers: self.answers(length_s),
         };
-        let mut forces = [0.0; K];
-        for (lane, slot) in forces.iter_mut().enumerate() {
-            *slot = force(lane, self.answer(part, places.lane(lane)));
-            let weight = Nodes::<K>::WEIGHT[lane] * length * part.unit_s;
-            part.kicks[part.count] = (places.lane(lane), weight * self.push * (*slot - predicted.lane(lane)));
+        // Kicks set the slip back by so little that the exponential needs only a second-order
+        // correction.
+        let force = |late: Lanes<K>| all(s) + all(excess) * decays * (all(1.0) + late * (all(1.0) + late * all(0.5)));
+        let late_per_m = feedback.steep * self.sign;
+        let mut back = feedback.earlier;
+        let (mut forces, mut kicks) = (all(s) + all(excess) * decays, all(0.0));
+        for pass in 0..PASSES {
+            if pass > 0 || part.count > 0 {
+                forces = force(back * all(late_per_m));
+            }
+            kicks = (forces - feedback.predicted) * feedback.weights;
+            back = feedback.earlier + combine(kicks, &feedback.answers);
+        }
+        let late = back * all(late_per_m);
+        let mut f = s + excess * decays.lane(end) * (1.0 + late.lane(end) * (1.0 + late.lane(end) * 0.5));
+        if late.at_most(SMALL_EXPONENT).at_least(-SMALL_EXPONENT) != late {
+            (forces, kicks, back, f) = feedback.exact();
+        }
+        for lane in 0..K {
+            part.kicks[part.count] = (places.lane(lane), kicks.lane(lane));
             part.count += 1;
         }
-        let back = self.answer(part, to);
+        let back = back.lane(end);
         let (x, v) = (there.lane(end) - back, value(&part.v, to) - self.answer_velocity(part, to));
         let slip = slips.lane(end) - self.sign * back;
         let steepness = self.per_metre * s * slip;
-        Piece { from, to, forces, x, v, f: force(end, back), slip, slip_velocity: self.sliding + self.sign * v, steepness }
+        let forces = std::array::from_fn(|lane| forces.lane(lane));
+        Piece { from, to, forces, x, v, f, slip, slip_velocity: self.sliding + self.sign * v, steepness }
+    }
+
+    /// Returns the displacement at the evaluation points of a piece of `length_s` seconds from a
+    /// kick at each of its nodes.
+    pub fn answers(&self, length_s: f64) -> [Lanes<K>; K] {
+        let mut power = 1.0;
+        let mut sums = [Lanes::<K>::all(0.0); K];
+        for (coefficient, answers) in self.kernel[1..].iter().zip(&self.answers) {
+            power *= length_s;
+            let scale = Lanes::<K>::all(coefficient * power);
+            for (sum, answer) in sums.iter_mut().zip(answers) {
+                *sum = *sum + *answer * scale;
+            }
+        }
+        sums
+    }
+
+    /// Returns the displacement by which the kicks of the earlier piece of a part have set the
+    /// motion back at these places, m.
+    pub fn earlier(&self, part: &Substep<N>, places: Lanes<K>) -> Lanes<K> {
+        let mut sum = Lanes::<K>::all(0.0);
+        for (when, kick) in &part.kicks[..part.count] {
+            let since = (places - Lanes::<K>::all(*when)) * Lanes::<K>::all(part.unit_s);
+            sum = sum + Lanes::<K>::all(*kick) * values(&self.kernel, since);
+        }
+        sum
     }
 
     /// Advances to the end of a piece.

@@ -5,17 +5,17 @@
 //! the end, all computed together.
 
 use super::decay::decay;
-use super::exact_step::{Exact, SMALL_EXPONENT};
+use super::exact_step::{Exact, PASSES, SMALL_EXPONENT};
 use super::quadrature::Nodes;
-use super::simd_nodes::{Lanes, Places, SimdNodes, place};
+use super::simd_nodes::{Lanes, Places, SimdNodes, combine, place};
 use super::substep::Substep;
 use crate::method::oscillator::Oscillator;
 use crate::method::polynomial::{slope, value};
 use crate::problem::Problem;
 use crate::timeline::Stretch;
 
-/// Flow over the steps of one whole piece of a periodic forcing. Of four lanes the first K are the
-/// nodes, the last is the end.
+/// Flow over the steps of one whole piece of a periodic forcing. Of the lanes the first K are the
+/// nodes, the others the end.
 pub(super) struct Table<const K: usize, const N: usize>
 where
     Nodes<K>: Places,
@@ -29,11 +29,13 @@ where
     /// Slip by sliding alone, m.
     slide: Lanes<K>,
     /// Displacement in each lane from a kick at each node.
-    kick: [[f64; K]; 4],
+    kick: [Lanes<K>; K],
+    /// Kick of each node per unit of acceleration, s.
+    weights: Lanes<K>,
     /// Velocity at the end from a kick at each node.
     kick_end: [f64; K],
     /// Times of the nodes, s.
-    at_s: [f64; K],
+    at_s: Lanes<K>,
     /// Motion as a polynomial, from displacement, velocity, and the first three terms of friction.
     by: [Series<N>; 5],
     /// Contribution of the forcing, step by step.
@@ -43,7 +45,7 @@ where
 /// Coefficients of displacement and velocity over a step.
 type Series<const N: usize> = ([f64; N], [f64; N]);
 
-/// Four lanes for each quantity that contributes to the displacement.
+/// Lanes for each quantity that contributes to the displacement.
 pub(super) struct By<L> {
     x: L,
     v: L,
@@ -101,15 +103,15 @@ where
         let mut linear = none;
         linear[1] = 1.0;
         let by_linear = from(0.0, 0.0, &linear);
-        let kick = |from: f64, to: f64| if to > from { value(&by_v.0, to - from) } else { 0.0 };
         Table {
             h,
             x: By { x: lanes(&by_x.0), v: lanes(&by_v.0), push: lanes(&by_push.0), push_rate: lanes(&by_rate.0) },
             v_end: [&by_x, &by_v, &by_push, &by_rate].map(|by| value(&by.1, 1.0)),
             slide: Lanes::<K>::each(|lane| problem.sliding_m_per_s * place::<K>(lane) * h),
-            kick: std::array::from_fn(|lane| nodes.map(|from| kick(from, place::<K>(lane)))),
+            kick: Nodes::<K>::answers(|since| value(&by_v.0, since)),
+            weights: Nodes::<K>::weights(h),
             kick_end: nodes.map(|from| value(&by_v.1, 1.0 - from)),
-            at_s: nodes.map(|s| s * h),
+            at_s: Lanes::<K>::each(|lane| place::<K>(lane) * h),
             by: [&by_x, &by_v, &by_push, &by_linear, &by_square].map(short),
             forced: forced.collect(),
         }
@@ -171,17 +173,22 @@ where
     let decays = decay(exponents);
     // Kicks set the slip back by so little that the exponential needs only a second-order
     // correction.
-    let answer = |lane: usize, kicks: &[f64; K]| kicks.iter().zip(&table.kick[lane]).map(|(kick, by)| kick * by).sum::<f64>();
-    let force = |lane: usize, late: f64| s + excess * decays.lane(lane) * (1.0 + late * (1.0 + 0.5 * late));
-    let (mut kicks, mut forces) = ([0.0; K], [0.0; K]);
-    for i in 0..K {
-        forces[i] = force(i, steep * run.sign * answer(i, &kicks));
-        kicks[i] = Nodes::<K>::WEIGHT[i] * table.h * run.push * (forces[i] - run.f - rate * table.at_s[i]);
+    let force = |late: Lanes<K>| all(s) + all(excess) * decays * (all(1.0) + late * (all(1.0) + late * all(0.5)));
+    let straight = all(run.f) + all(rate) * table.at_s;
+    let weights = table.weights * all(run.push);
+    let mut forces = all(s) + all(excess) * decays;
+    let mut kicks = (forces - straight) * weights;
+    let mut back = combine(kicks, &table.kick);
+    for _ in 1..PASSES {
+        forces = force(back * all(steep * run.sign));
+        kicks = (forces - straight) * weights;
+        back = combine(kicks, &table.kick);
     }
-    let back = answer(end, &kicks);
-    let late = steep * run.sign * back;
-    let f_end = force(end, late);
+    let back = back.lane(end);
+    let late = back * (steep * run.sign);
+    let f_end = s + excess * decays.lane(end) * (1.0 + late * (1.0 + late * 0.5));
     let x_end = there.lane(end) - back;
+    let kicks: [f64; K] = std::array::from_fn(|lane| kicks.lane(lane));
     let v_kicks: f64 = kicks.iter().zip(&table.kick_end).map(|(kick, by)| kick * by).sum();
     let v_end = v_free - v_kicks;
     let slip = slips.lane(end) - run.sign * back;
@@ -195,6 +202,7 @@ where
         return false;
     }
     (run.x, run.v) = (x_end, v_end);
+    let forces = std::array::from_fn(|lane| forces.lane(lane));
     run.add_friction(table.h, &forces, (f_end, slip_velocity, a_end), slip);
     true
 }

@@ -4,12 +4,15 @@
 use std::ops::{Add, Mul, Sub};
 
 use wide::bytemuck::cast;
-use wide::{f64x2, f64x4, i64x2, i64x4};
+use wide::{f64x2, f64x4, f64x8, i64x2, i64x4, i64x8};
 
 use super::quadrature::Nodes;
+use crate::method::polynomial::every_second;
 
 /// Vector of numbers.
-pub(super) trait SimdNodes: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> {
+pub(super) trait SimdNodes:
+    Copy + Default + PartialEq + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self>
+{
     /// Index of the last lane.
     const END: usize;
 
@@ -32,75 +35,49 @@ pub(super) trait SimdNodes: Copy + Add<Output = Self> + Sub<Output = Self> + Mul
     fn times_two_to(self, whole: Self) -> Self;
 }
 
-impl SimdNodes for f64x2 {
-    const END: usize = 1;
+/// Implements [`SimdNodes`] for a vector of numbers and its vector of whole numbers.
+macro_rules! simd_nodes {
+    ($numbers:ident, $whole:ident, $lanes:literal) => {
+        impl SimdNodes for $numbers {
+            const END: usize = $lanes - 1;
 
-    #[inline]
-    fn each(of: impl Fn(usize) -> f64) -> Self {
-        f64x2::new([of(0), of(1)])
-    }
+            #[inline]
+            fn each(of: impl Fn(usize) -> f64) -> Self {
+                Self::new(std::array::from_fn(of))
+            }
 
-    #[inline]
-    fn all(value: f64) -> Self {
-        f64x2::splat(value)
-    }
+            #[inline]
+            fn all(value: f64) -> Self {
+                Self::splat(value)
+            }
 
-    #[inline]
-    fn lane(self, lane: usize) -> f64 {
-        self.to_array()[lane]
-    }
+            #[inline]
+            fn lane(self, lane: usize) -> f64 {
+                self.to_array()[lane]
+            }
 
-    #[inline]
-    fn at_most(self, bound: f64) -> Self {
-        self.simd_lt(Self::splat(bound)).select(self, Self::splat(bound))
-    }
+            #[inline]
+            fn at_most(self, bound: f64) -> Self {
+                self.simd_lt(Self::splat(bound)).select(self, Self::splat(bound))
+            }
 
-    #[inline]
-    fn at_least(self, bound: f64) -> Self {
-        self.simd_gt(Self::splat(bound)).select(self, Self::splat(bound))
-    }
+            #[inline]
+            fn at_least(self, bound: f64) -> Self {
+                self.simd_gt(Self::splat(bound)).select(self, Self::splat(bound))
+            }
 
-    #[inline]
-    fn times_two_to(self, whole: Self) -> Self {
-        let bits: i64x2 = cast(whole);
-        cast(cast::<Self, i64x2>(self) + (bits << 52))
-    }
+            #[inline]
+            fn times_two_to(self, whole: Self) -> Self {
+                let bits: $whole = cast(whole);
+                cast(cast::<Self, $whole>(self) + (bits << 52))
+            }
+        }
+    };
 }
 
-impl SimdNodes for f64x4 {
-    const END: usize = 3;
-
-    #[inline]
-    fn each(of: impl Fn(usize) -> f64) -> Self {
-        f64x4::new([of(0), of(1), of(2), of(3)])
-    }
-
-    #[inline]
-    fn all(value: f64) -> Self {
-        f64x4::splat(value)
-    }
-
-    #[inline]
-    fn lane(self, lane: usize) -> f64 {
-        self.to_array()[lane]
-    }
-
-    #[inline]
-    fn at_most(self, bound: f64) -> Self {
-        self.simd_lt(Self::splat(bound)).select(self, Self::splat(bound))
-    }
-
-    #[inline]
-    fn at_least(self, bound: f64) -> Self {
-        self.simd_gt(Self::splat(bound)).select(self, Self::splat(bound))
-    }
-
-    #[inline]
-    fn times_two_to(self, whole: Self) -> Self {
-        let bits: i64x4 = cast(whole);
-        cast(cast::<Self, i64x4>(self) + (bits << 52))
-    }
-}
+simd_nodes!(f64x2, i64x2, 2);
+simd_nodes!(f64x4, i64x4, 4);
+simd_nodes!(f64x8, i64x8, 8);
 
 /// Vector type for the evaluation points of a step.
 pub(super) trait Places {
@@ -120,6 +97,10 @@ impl Places for Nodes<3> {
     type Lanes = f64x4;
 }
 
+impl Places for Nodes<5> {
+    type Lanes = f64x8;
+}
+
 /// Lanes of a step with `K` nodes.
 pub(super) type Lanes<const K: usize> = <Nodes<K> as Places>::Lanes;
 
@@ -133,7 +114,16 @@ pub(super) fn place<const K: usize>(lane: usize) -> f64 {
 #[inline]
 pub(super) fn values<L: SimdNodes, const N: usize>(c: &[f64; N], s: L) -> L {
     let square = s * s;
-    let terms = |first: usize| c.iter().skip(first).step_by(2).rev().map(|c| L::all(*c));
-    let part = |first: usize| terms(first).reduce(|sum, c| sum * square + c).unwrap_or(L::all(0.0));
+    let part = |first: usize| every_second::<N, _>(first, |k| L::all(c[k]), |sum, c| sum * square + c);
     part(0) + s * part(1)
+}
+
+/// Returns the sum of vectors, each times the number in one lane.
+#[inline]
+pub(super) fn combine<L: SimdNodes, const K: usize>(numbers: L, vectors: &[L; K]) -> L {
+    let mut sum = L::all(-0.0);
+    for (lane, vector) in vectors.iter().enumerate() {
+        sum = sum + L::all(numbers.lane(lane)) * *vector;
+    }
+    sum
 }

@@ -2,7 +2,7 @@
 //! polynomial, and their pieces, in which the slip has one sign.
 
 /// Largest number of kicks in a part: those of two pieces, before and after a reversal.
-const MAX_KICKS: usize = 6;
+const MAX_KICKS: usize = 10;
 
 /// Motion over one part, with the difference of friction from its first terms as kicks.
 pub(super) struct Substep<const N: usize> {

@@ -6,10 +6,11 @@
 
 use fearless_simd::{Select, Simd, SimdBase, SimdMask};
 
-use super::super::exact_step::{LOCATION_TOLERANCE, SHORTEST_PART, SMALL_EXPONENT};
+use super::super::exact_step::{Feedback, LOCATION_TOLERANCE, PASSES, SHORTEST_PART, SMALL_EXPONENT};
 use super::super::quadrature::Nodes;
-use super::super::simd_nodes::{Places, place};
+use super::super::simd_nodes::{Lanes, Places, SimdNodes, place};
 use super::decay::decay;
+use super::fast_step::combine;
 use super::forcing::Forcings;
 use super::reversal::reversals;
 use super::state::Batch;
@@ -38,10 +39,10 @@ impl<S: Simd, const N: usize> Substeps<S, N> {
         Substeps { unit_s, x, v, u, f, kicks: [(zero, zero); MAX_KICKS], count: 0 }
     }
 
-    /// Batched [`Exact::answer`](super::super::exact_step::Exact::answer).
+    /// Batched [`Exact::earlier`](super::super::exact_step::Exact::earlier).
     #[inline(always)]
-    fn answer(&self, at: Vector<S>, kernel: &[Vector<S>; KERNEL]) -> Vector<S> {
-        let mut sum = all(at.simd, -0.0);
+    fn earlier(&self, at: Vector<S>, kernel: &[Vector<S>; KERNEL]) -> Vector<S> {
+        let mut sum = all(at.simd, 0.0);
         for (when, kick) in &self.kicks[..self.count] {
             sum += *kick * value(kernel, (at - *when) * self.unit_s);
         }
@@ -58,15 +59,6 @@ impl<S: Simd, const N: usize> Substeps<S, N> {
         }
         sum
     }
-}
-
-/// Quantities of a piece that do not depend on its kicks: initial friction minus its bound,
-/// exponent of friction per slip, slips and decays.
-struct Ahead<S: Simd> {
-    excess: Vector<S>,
-    steep: Vector<S>,
-    slips: [Vector<S>; 4],
-    decays: [Vector<S>; 4],
 }
 
 /// Stretches of parts without a reversal, with the states at their ends.
@@ -198,43 +190,82 @@ where
             slips[lane] = (places[lane] - from) * sliding + (there[lane] - self.x) * self.sign;
             exponents[lane] = slips[lane] * steep;
         }
-        let ahead = Ahead { excess, steep, slips, decays: decay_at::<S, K>(&exponents, on) };
-        let mut forces = [zero; K];
+        let decays = decay_at::<S, K>(&exponents, on);
+        let length_s = length * part.unit_s;
+        let (answers, late_per_m, one) = (self.answers(length_s), steep * self.sign, all(simd, 1.0));
+        let (mut earlier, mut predicted) = ([zero; 4], [zero; 4]);
+        for lane in 0..=K {
+            earlier[lane] = part.earlier(places[lane], &self.kernel);
+            predicted[lane] = value(&part.f, places[lane]);
+        }
+        let push = length_s * self.push;
+        let (mut back, mut forces, mut kicks) = (earlier, [zero; K], [zero; K]);
+        for pass in 0..PASSES {
+            for lane in 0..K {
+                forces[lane] = s + excess * decays[lane];
+                if pass > 0 || part.count > 0 {
+                    let late = back[lane] * late_per_m;
+                    forces[lane] = s + excess * decays[lane] * (one + late * (one + late * 0.5));
+                }
+                kicks[lane] = (forces[lane] - predicted[lane]) * (push * Nodes::<K>::WEIGHT[lane]);
+            }
+            for lane in 0..=K {
+                back[lane] = earlier[lane] + combine(&kicks, &answers, lane);
+            }
+        }
+        let late = back[K] * late_per_m;
+        let mut f = s + excess * decays[K] * (one + late * (one + late * 0.5));
+        let mut large = on & !on;
+        for back in &back[..=K] {
+            large |= on & !(*back * late_per_m).abs().simd_le(SMALL_EXPONENT);
+        }
+        for number in numbers(large) {
+            let lanes = |of: &[Vector<S>; 4]| Lanes::<K>::each(|lane| of[lane.min(K)][number]);
+            let feedback = Feedback {
+                sense: s[number],
+                excess: excess[number],
+                steep: steep[number],
+                sign: self.sign[number],
+                slips: lanes(&slips),
+                predicted: lanes(&predicted),
+                weights: Nodes::<K>::weights(push[number]),
+                earlier: lanes(&earlier),
+                answers: answers.each_ref().map(lanes),
+            };
+            let exact = feedback.exact();
+            for lane in 0..K {
+                forces[lane][number] = exact.0.lane(lane);
+                kicks[lane][number] = exact.1.lane(lane);
+            }
+            back[K][number] = exact.2.lane(K);
+            f[number] = exact.3;
+        }
         for lane in 0..K {
-            let at = places[lane];
-            forces[lane] = self.force(&ahead, lane, part.answer(at, &self.kernel), on);
-            let weight = length * Nodes::<K>::WEIGHT[lane] * part.unit_s;
-            let kick = weight * self.push * (forces[lane] - value(&part.f, at));
-            part.kicks[part.count] = (at, on.select(kick, zero));
+            part.kicks[part.count] = (places[lane], on.select(kicks[lane], zero));
             part.count += 1;
         }
-        let back = part.answer(to, &self.kernel);
+        let back = back[K];
         let (x, v) = (there[K] - back, value(&part.v, to) - part.answer_velocity(to, &self.kernel_slopes));
-        let slip = ahead.slips[K] - self.sign * back;
-        Pieces {
-            forces,
-            x,
-            v,
-            f: self.force(&ahead, K, back, on),
-            slip,
-            slip_velocity: self.sliding + self.sign * v,
-            steepness: steep * slip,
-        }
+        let slip = slips[K] - self.sign * back;
+        Pieces { forces, x, v, f, slip, slip_velocity: self.sliding + self.sign * v, steepness: steep * slip }
     }
 
-    /// Returns friction at an evaluation point where the kicks so far have set the slip back by
-    /// `back`.
+    /// As [`Exact::answers`](super::super::exact_step::Exact::answers).
     #[inline(always)]
-    fn force(&self, ahead: &Ahead<S>, lane: usize, back: Vector<S>, on: Mask<S>) -> Vector<S> {
-        let Ahead { excess, steep, slips, decays } = ahead;
-        let (s, one) = (self.sense, all(self.simd, 1.0));
-        let late = *steep * self.sign * back;
-        let mut force = s + *excess * decays[lane] * (one + late * (one + late * 0.5));
-        for number in numbers(on & !late.abs().simd_lt(SMALL_EXPONENT)) {
-            let exponent = late[number] - steep[number] * slips[lane][number];
-            force[number] = s[number] + excess[number] * exponent.min(0.0).exp();
+    fn answers(&self, length_s: Vector<S>) -> [[Vector<S>; 4]; K] {
+        let zero = all(self.simd, 0.0);
+        let mut power = all(self.simd, 1.0);
+        let mut sums = [[zero; 4]; K];
+        for (coefficient, answers) in self.kernel[1..].iter().zip(&self.alone[0].answers) {
+            power *= length_s;
+            let scale = *coefficient * power;
+            for (sums, answers) in sums.iter_mut().zip(answers) {
+                for (lane, sum) in sums.iter_mut().enumerate().take(K + 1) {
+                    *sum += scale * answers.lane(lane);
+                }
+            }
         }
-        force
+        sums
     }
 
     /// Batched [`Exact::take`](super::super::exact_step::Exact::take) of the chosen contacts.

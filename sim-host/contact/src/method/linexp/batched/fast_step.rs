@@ -2,7 +2,7 @@
 
 use fearless_simd::{Simd, SimdBase, SimdMask};
 
-use super::super::exact_step::SMALL_EXPONENT;
+use super::super::exact_step::{PASSES, SMALL_EXPONENT};
 use super::super::quadrature::Nodes;
 use super::super::simd_nodes::Places;
 use super::exact_step::decay_at;
@@ -47,14 +47,21 @@ where
         exponents[lane] = slips[lane] * steep;
     }
     let decays = decay_at::<S, K>(&exponents, on);
+    let late_per_m = steep * runs.sign;
     let (mut kicks, mut forces) = ([zero; K], [zero; K]);
-    for i in 0..K {
-        let late = steep * runs.sign * sum(&kicks, &table.kick[i]);
-        forces[i] = s + excess * decays[i] * (one + late * (one + late * 0.5));
-        kicks[i] = table.h * Nodes::<K>::WEIGHT[i] * runs.push * (forces[i] - runs.f - rate * table.at_s[i]);
+    for pass in 0..PASSES {
+        let before = kicks;
+        for i in 0..K {
+            forces[i] = s + excess * decays[i];
+            if pass > 0 {
+                let late = combine(&before, &table.kick, i) * late_per_m;
+                forces[i] = s + excess * decays[i] * (one + late * (one + late * 0.5));
+            }
+            kicks[i] = (forces[i] - (runs.f + rate * table.at_s[i])) * (table.weights[i] * runs.push);
+        }
     }
-    let back = sum(&kicks, &table.kick[K]);
-    let late = steep * runs.sign * back;
+    let back = combine(&kicks, &table.kick, K);
+    let late = back * late_per_m;
     let f_end = s + excess * decays[K] * (one + late * (one + late * 0.5));
     let x_end = there[K] - back;
     let v_end = v_free - sum(&kicks, &table.kick_end);
@@ -76,6 +83,16 @@ fn sum<S: Simd, const K: usize>(kicks: &[Vector<S>; K], by: &[Vector<S>; K]) -> 
     let mut sum = all(by[0].simd, -0.0);
     for (kick, by) in kicks.iter().zip(by) {
         sum += *kick * *by;
+    }
+    sum
+}
+
+/// Returns the displacement at an evaluation point: the sum of kicks times their answers there.
+#[inline(always)]
+pub(super) fn combine<S: Simd, const K: usize>(kicks: &[Vector<S>; K], answers: &[[Vector<S>; 4]; K], lane: usize) -> Vector<S> {
+    let mut sum = all(kicks[0].simd, -0.0);
+    for (kick, answers) in kicks.iter().zip(answers) {
+        sum += *kick * answers[lane];
     }
     sum
 }

@@ -5,11 +5,12 @@ use fearless_simd::Simd;
 
 use super::super::fast_step::TABLE_TERMS;
 use super::super::quadrature::Nodes;
-use super::super::simd_nodes::{Places, place};
+use super::super::simd_nodes::{Places, SimdNodes, place};
 use super::exact_step::{Substeps, series};
 use super::forcing::Forcings;
 use super::state::Batch;
-use super::vector::{Vector, all, value};
+use super::vector::{Vector, WIDTH, all, each, value};
+use crate::method::polynomial;
 
 /// Tables of eight contacts; the fields are those of [`Table`](super::super::fast_step::Table). The
 /// evaluation points are the nodes, then the end.
@@ -18,7 +19,8 @@ pub(super) struct Tables<S: Simd, const K: usize, const N: usize> {
     pub x: By<S>,
     pub v_end: [Vector<S>; 4],
     pub slide: [Vector<S>; 4],
-    pub kick: [[Vector<S>; K]; 4],
+    pub kick: [[Vector<S>; 4]; K],
+    pub weights: [Vector<S>; K],
     pub kick_end: [Vector<S>; K],
     pub at_s: [Vector<S>; K],
     by: [Series<S, N>; 5],
@@ -71,19 +73,25 @@ where
             curves.push((short(&(xs, vs)), cut(&u)));
         }
         let nodes = Nodes::<K>::AT;
-        let (mut kick, mut slide) = ([[zero; K]; 4], [zero; 4]);
-        for (lane, kick) in kick.iter_mut().enumerate() {
-            slide[lane] = runs.sliding * part_of::<K>(lane) * h;
-            for (kick, from) in kick.iter_mut().zip(nodes) {
-                if part_of::<K>(lane) > from {
-                    *kick = value_at(&by_v.0, part_of::<K>(lane) - from);
-                }
+        let mut slide = [zero; 4];
+        for (lane, slide) in slide.iter_mut().enumerate() {
+            *slide = runs.sliding * part_of::<K>(lane) * h;
+        }
+        let alone: [_; WIDTH] = std::array::from_fn(|number| {
+            let by_v = by_v.0.map(|c| c[number]);
+            Nodes::<K>::answers(|since| polynomial::value(&by_v, since))
+        });
+        let mut kick = [[zero; 4]; K];
+        for (node, lanes) in kick.iter_mut().enumerate() {
+            for (lane, answer) in lanes.iter_mut().enumerate().take(K + 1) {
+                *answer = each(simd, |number| alone[number][node].lane(lane));
             }
         }
-        let (mut kick_end, mut at_s) = ([zero; K], [zero; K]);
+        let (mut kick_end, mut at_s, mut weights) = ([zero; K], [zero; K], [zero; K]);
         for (k, from) in nodes.into_iter().enumerate() {
             kick_end[k] = value_at(&by_v.1, 1.0 - from);
             at_s[k] = h * from;
+            weights[k] = h * Nodes::<K>::WEIGHT[k];
         }
         Tables {
             h,
@@ -96,6 +104,7 @@ where
             v_end: [value_at(&by_x.1, 1.0), value_at(&by_v.1, 1.0), value_at(&by_push.1, 1.0), value_at(&by_rate.1, 1.0)],
             slide,
             kick,
+            weights,
             kick_end,
             at_s,
             by: [short(&by_x), short(&by_v), short(&by_push), short(&by_linear), short(&by_square)],
