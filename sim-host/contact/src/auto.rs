@@ -4,7 +4,7 @@
 //! | problem | method | reason |
 //! |---|---|---|
 //! | kinematic, Coulomb or Dahl, window in the steady state | closed | no steps are needed |
-//! | Dahl, Coulomb | linexp | cheapest at every tolerance from 1e-3 to 1e-12 (`evidence precision`) |
+//! | Dahl, Coulomb | linexp | cheapest at every tolerance from 1e-3 to 3e-12 (`evidence precision`) |
 //! | Dahl, bristles shorter than round-off | linexp for Coulomb's law | the limit of Dahl's law; gives a note |
 //! | LuGre, bristles too short for the steps of Runge-Kutta | midpoint, then rk4-events | bounded at any stiffness |
 //! | other LuGre | rk4-events, then midpoint | fourth order, stable above a known number of steps |

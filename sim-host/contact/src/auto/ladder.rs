@@ -3,7 +3,7 @@
 //!
 //! | method | rungs (order/steps per period) | error of a rung over that of the one before |
 //! |---|---|---|
-//! | linexp, frozen | 2/4 4/4 4/6 6/6 6/8 6/12 6/16 6/24 6/32 ...; more for a stiff contact | 1/4 ... 1/11 |
+//! | linexp, frozen | 4/4 4/6 6/6 6/8 6/12 10/8 10/12 10/16 10/24 ...; more for a stiff contact | 1/4 ... 1/100 |
 //! | rk4-events | steps times 1.5 | 1.5^-4 = 1/5 |
 //! | midpoint | steps times 2 | 1/4 with bristle damping, 1/16 without |
 //! | taylor | order 8, 12, 16 ... 32, with steps that end by their last terms; at a given order, steps times 1.5 | 1e-2 or less |
@@ -18,17 +18,16 @@ use crate::problem::{Law, Motion, Problem};
 
 /// Expected ratio of the errors of two successive rungs.
 pub const CONTRACTION: f64 = 0.25;
-/// Smallest ratio of the errors of two successive rungs of order six.
-const BEST_CONTRACTION: f64 = 0.125;
+/// Smallest ratio of the errors of two successive rungs that is counted on.
+const BEST_CONTRACTION: f64 = 0.03;
 /// Smallest ratio of the errors of two successive orders of the Taylor series.
 const BEST_ORDER_CONTRACTION: f64 = 1e-2;
 /// Largest number of steps per period that is tried, unless stability requires more.
 const MAX_STEPS_PER_PERIOD: u32 = 1 << 14;
-/// Largest number of steps per period for methods of order six, which reach round-off at this
-/// number.
-const MAX_STEPS_PER_PERIOD_ORDER_SIX: f64 = 2048.0;
-/// Largest number of steps of one run of order six, if fewer can be expected to suffice.
-const MAX_RUN_STEPS_ORDER_SIX: f64 = 1e7;
+/// Largest number of steps per period of linexp, which reaches round-off at this number.
+const MAX_STEPS_PER_PERIOD_LINEXP: f64 = 2048.0;
+/// Largest number of steps of one run of linexp, if fewer can be expected to suffice.
+const MAX_RUN_STEPS_LINEXP: f64 = 1e7;
 /// Steps per period of the Taylor series: so few that they do not limit its own steps.
 const SERIES_STEPS_PER_PERIOD: f64 = 4.0;
 /// Largest number of steps of one run that stability may require.
@@ -38,6 +37,13 @@ const LARGEST_CHANGE_STRIBECK: f64 = 6.0;
 /// Stability limit of the classical Runge-Kutta method on the negative real axis: largest rate
 /// times step.
 const STABILITY_LIMIT: f64 = 2.785;
+
+/// Value of kappa in the thesis's contact, for which the start of the search is chosen.
+const THESIS_KAPPA: f64 = 0.4;
+/// Number of rungs by which the search starts higher for each halving of the bristles' length.
+const RUNGS_PER_OCTAVE: f64 = 0.75;
+/// Largest such number.
+const MAX_RUNGS_FOR_BRISTLES: f64 = 3.0;
 
 /// Steps per period and order of a run.
 pub type Setting = (u32, Option<u32>);
@@ -53,6 +59,8 @@ pub struct Ladder {
     /// `true` if the rungs are orders of the series, all with the same number of steps.
     by_order: bool,
     finest: u32,
+    /// Number of rungs by which the shortness of the bristles moves the start up.
+    rungs_for_bristles: f64,
 }
 
 impl Ladder {
@@ -67,11 +75,8 @@ impl Ladder {
             Method::Linexp | Method::Frozen => {
                 let first = 4.0 * contact_over_fastest(problem).max(1.0);
                 let fastest = (problem.motion.fastest_hz() / problem.waveform.frequency_hz()).max(1.0);
-                let afforded = MAX_RUN_STEPS_ORDER_SIX / (periods * fastest);
-                (
-                    first,
-                    afforded.min(MAX_STEPS_PER_PERIOD_ORDER_SIX).max(32.0 * first).min(f64::from(MAX_STEPS_PER_PERIOD)) as u32,
-                )
+                let afforded = MAX_RUN_STEPS_LINEXP / (periods * fastest);
+                (first, afforded.min(MAX_STEPS_PER_PERIOD_LINEXP).max(32.0 * first).min(f64::from(MAX_STEPS_PER_PERIOD)) as u32)
             }
             Method::Rk4Events => {
                 let stable = stable_steps(problem).max(stribeck_steps(problem));
@@ -81,7 +86,16 @@ impl Ladder {
             Method::Taylor if by_order => (SERIES_STEPS_PER_PERIOD, MAX_STEPS_PER_PERIOD),
             _ => (f64::from(method.steps(problem.kappa()).unwrap_or(1)), MAX_STEPS_PER_PERIOD),
         };
-        Ladder { method, first_steps, order: order.or(method.order()).filter(|_| has_order), climbs, by_order, finest }
+        let rungs_for_bristles = (RUNGS_PER_OCTAVE * (problem.kappa() / THESIS_KAPPA).log2()).clamp(0.0, MAX_RUNGS_FOR_BRISTLES);
+        Ladder {
+            method,
+            first_steps,
+            order: order.or(method.order()).filter(|_| has_order),
+            climbs,
+            by_order,
+            finest,
+            rungs_for_bristles,
+        }
     }
 
     /// Returns the lower rungs only: if these do not suffice, a pilot does not pay off.
@@ -101,15 +115,16 @@ impl Ladder {
         };
         let steps = match (self.climbs, rung) {
             _ if self.method == Method::Midpoint => self.first_steps * f64::from(rung as u32).exp2(),
-            (true, 0 | 1) => self.first_steps,
-            (true, 2 | 3) => 1.5 * self.first_steps,
-            (true, _) => by_half(2.0 * self.first_steps, rung - 4),
+            (true, 0 | 1) => by_half(self.first_steps, rung),
+            (true, 2..=4) => by_half(self.first_steps, rung - 1),
+            (true, _) => by_half(2.0 * self.first_steps, rung - 5),
             (false, _) => by_half(self.first_steps, rung),
         };
         let order = match (self.climbs, rung) {
-            (true, 0) => Some(2),
-            (true, 1 | 2) => Some(4),
-            _ => self.order,
+            (true, 0 | 1) => Some(4),
+            (true, 2..=4) => Some(6),
+            (true, _) => Some(10),
+            (false, _) => self.order,
         };
         (steps <= f64::from(self.finest)).then_some((steps as u32, order))
     }
@@ -135,7 +150,7 @@ impl Ladder {
     pub fn start(&self, tolerance: f64) -> usize {
         let decades = -tolerance.log10();
         match self.method {
-            Method::Linexp | Method::Frozen if self.climbs => ((decades - 6.2) * 1.3).max(0.0) as usize,
+            Method::Linexp | Method::Frozen if self.climbs => ((decades - 4.7) * 0.8 + self.rungs_for_bristles).max(0.0) as usize,
             Method::Taylor if self.by_order => ((decades - 4.0) * 0.4).clamp(0.0, 3.0) as usize,
             Method::Rk4Events => ((decades - 5.0) * 1.2).max(0.0) as usize,
             Method::Midpoint => ((decades - 4.0) * 1.2).max(0.0) as usize,

@@ -17,12 +17,12 @@ const LONG_RUN_RATIO: f64 = 2.0;
 /// Tolerance below which fourth-order methods take longer than the Taylor series. Also applies to
 /// linexp if its errors decrease irregularly with the step, or if the forcing is not periodic.
 const ORDER_FOUR_TOLERANCE: f64 = 1e-6;
-/// Tolerance below which the Taylor series is tried before linexp if short bristles make the mass
-/// ring. In such contacts two runs of linexp can share a common error, which their difference does
-/// not show.
+/// Tolerance below which the Taylor series is tried before linexp if friction holds the mass, for
+/// which linexp needs many short parts, or if short bristles make it ring. In such contacts two
+/// runs of linexp can share a common error, which their difference does not show.
 const RINGING_TOLERANCE: f64 = 1e-4;
 /// Tolerance below which the Taylor series is tried before linexp in all other contacts.
-const ORDER_SIX_TOLERANCE: f64 = 1e-10;
+const LINEXP_TOLERANCE: f64 = 3e-12;
 /// Number of steps per period required for stability above which midpoint is tried before
 /// Runge-Kutta.
 const MANY_STEPS_PER_PERIOD: f64 = 1000.0;
@@ -32,13 +32,15 @@ const SMOOTH_KAPPA: f64 = 30.0;
 const RINGING_STIFFNESS: f64 = 0.1;
 /// Contact stiffness over `m w^2` above which the mass rings far faster than the vibration.
 const FAST_RINGING_STIFFNESS: f64 = 30.0;
-/// Safety factor on estimates if errors decrease irregularly with the step; `evidence contacts`
-/// compares them with the true error.
+/// Safety factor on estimates from a pilot, or if errors decrease irregularly with the step;
+/// `evidence contacts` compares them with the true error.
 const UNEVEN_FACTOR: f64 = 3.0;
 /// Safety factor on estimates if errors decrease very irregularly with the step.
 const VERY_UNEVEN_FACTOR: f64 = 10.0;
-/// Safety factor on the error of a pilot in all other contacts.
-const PILOT_FACTOR: f64 = 1.5;
+/// Goal of a pilot over that of the one before, if that one does not represent the record.
+const FINER_GOAL: f64 = 0.1;
+/// Smallest goal of a pilot, above round-off.
+const FINEST_GOAL: f64 = 10.0 * ROUND_OFF_OF_SUMS;
 /// Value of kappa below which bristles remember many periods.
 const LONG_BRISTLES_KAPPA: f64 = 1.0;
 /// Safety factor for long bristles on estimates of Runge-Kutta and midpoint.
@@ -49,16 +51,20 @@ const SMALLEST_STATED_ERROR: f64 = 1e-3;
 /// Value of kappa above which bristles count as rigid.
 const RIGID_KAPPA: f64 = 1e10;
 
-/// Number of rungs above the setting for the friction at which the energies are added up.
+/// Steps per period and order of the Taylor series that adds up the energies.
+const ENERGY_SETTING: Setting = (4, Some(24));
+/// Number of rungs above the setting for the friction at which another method adds them up.
 const ENERGY_RUNGS_ABOVE: usize = 3;
 /// Lowest rung from which the rung for the energies is counted.
 const FIRST_ENERGY_RUNG: usize = 2;
+/// Largest number of steps for the energies, over that of the first rung.
+const MAX_ENERGY_STEP_RATIO: u32 = 32;
+/// Rung from which on all settings have enough steps for a curve.
+const CURVE_RUNG: usize = 6;
 /// Error of friction on the wrong side of a reversal, over Fc.
 const REVERSED_ERROR: f64 = 2.0;
 /// Moments per period at which a Taylor series is reported; it takes few steps of its own.
 const CURVE_STEPS_PER_PERIOD: u32 = 12;
-/// Largest number of steps for the energies, over that of the first rung.
-const MAX_ENERGY_STEP_RATIO: u32 = 32;
 
 /// Solves a problem by the first method that meets the tolerance, or by the one with the smallest
 /// error if none does.
@@ -83,9 +89,9 @@ pub fn solve_automatically<W: FnMut(&State)>(
                 // linexp treats friction as a small perturbation of the motion, but here it can
                 // hold the mass.
                 _ if spring(problem) > RINGING_STIFFNESS && problem.holds() => f64::INFINITY,
-                _ if spring(problem) > RINGING_STIFFNESS && kappa > SMOOTH_KAPPA => RINGING_TOLERANCE,
+                _ if spring(problem) > RINGING_STIFFNESS && kappa > SMOOTH_KAPPA || problem.holds() => RINGING_TOLERANCE,
                 true => ORDER_FOUR_TOLERANCE,
-                false => ORDER_SIX_TOLERANCE,
+                false => LINEXP_TOLERANCE,
             };
             if numerics.tolerance < tight { vec![series(), exact] } else { vec![exact, series()] }
         }
@@ -250,8 +256,8 @@ fn find(problem: &Problem, numerics: &Numerics, method: Method, runs: &dyn Runs)
         let record_error = record.zip(fine_record).map(|(record, fine)| record.distance(&fine, problem).max(off));
         return Ok(Found { setting: (steps, order), tally: Some(tally), error: off, record_error, growth: 1.0 });
     }
-    // If errors fall unevenly, or if a step of order two covers many bristle lengths, the lowest
-    // rung does not predict the next one.
+    // If errors fall unevenly, or if a coarse step covers many bristle lengths, the lowest rung
+    // does not predict the next one.
     let (safety_factor, tolerance) = (if method == Method::Taylor { 1.0 } else { safety_factor(problem) }, numerics.tolerance);
     let first = usize::from(method != Method::Taylor && (safety_factor > 1.0 || problem.kappa() > SMOOTH_KAPPA));
     let start = ladder.start(tolerance).max(first);
@@ -266,32 +272,47 @@ fn find(problem: &Problem, numerics: &Numerics, method: Method, runs: &dyn Runs)
     };
     if of_record {
         // A reported record has several moments in every period.
-        let shown =
-            (0..).find(|&rung| ladder.setting(rung).is_none_or(|setting| shown_at(method, setting).0 >= CURVE_STEPS_PER_PERIOD));
-        let found = whole
-            .climb(&ladder, start.max(shown.unwrap_or(0)), tolerance, &mut |setting| by(problem, shown_at(method, setting)))?;
+        let is_coarse =
+            |rung: &usize| ladder.setting(*rung).is_some_and(|setting| shown_at(method, setting).0 < CURVE_STEPS_PER_PERIOD);
+        let shown = (0..=CURVE_RUNG).rev().find(is_coarse).map_or(0, |coarse| coarse + 1);
+        let found = whole.climb(&ladder, start.max(shown), tolerance, &mut |setting| by(problem, shown_at(method, setting)))?;
         return Ok(Found { setting: shown_at(method, found.setting), ..found });
     }
     let Some(pilot) = Pilot::new(method, problem) else {
         return whole.climb(&ladder, start, tolerance, &mut |setting| by(problem, setting));
     };
-    let goal = pilot.goal(tolerance);
-    let mut first_periods = if method == Method::Linexp || method == Method::Taylor {
-        Refinement::from_two_runs(&pilot.problem, 1.0)
-    } else {
-        Refinement::from_three_runs(&pilot.problem, 1.0)
-    };
-    let found = first_periods.climb(&ladder.lower(), start, goal, &mut |setting| by(&pilot.problem, setting))?;
-    if pilot.stands_for_the_record(found.error, found.growth, tolerance) {
-        // If friction feeds energy in, the contact may still become too stiff for a series.
-        let tally = if method == Method::Taylor { Some(by(problem, found.setting)?.0) } else { None };
-        let safety_factor = if spring(problem) > RINGING_STIFFNESS { UNEVEN_FACTOR } else { PILOT_FACTOR };
-        return Ok(Found { tally, error: safety_factor * found.error * pilot.growth, ..found });
+    let (two_suffice, lower) = (method == Method::Linexp || method == Method::Taylor, ladder.lower());
+    let mut goal = pilot.goal(tolerance);
+    let mut coarsest: Option<Found> = None;
+    loop {
+        let mut first_periods = match two_suffice {
+            true => Refinement::from_two_runs(&pilot.problem, 1.0),
+            false => Refinement::from_three_runs(&pilot.problem, 1.0),
+        };
+        let wanted = if method == Method::Linexp { ladder.start(goal).max(first) } else { start };
+        let fits = |rung: &usize| lower.setting(rung + ladder.apart()).is_some();
+        let start = (first..=wanted).rev().find(fits).unwrap_or(first);
+        let found = match first_periods.climb(&lower, start, goal, &mut |setting| by(&pilot.problem, setting)) {
+            Ok(found) => found,
+            Err(error) if coarsest.is_none() => return Err(error),
+            Err(_) => break,
+        };
+        if pilot.stands_for_the_record(found.error, found.growth, tolerance) {
+            // If friction feeds energy in, the contact may still become too stiff for a series.
+            let tally = if method == Method::Taylor { Some(by(problem, found.setting)?.0) } else { None };
+            return Ok(Found { tally, error: UNEVEN_FACTOR * found.error * pilot.growth, ..found });
+        }
+        // An error that grows from the first half to the second may be an accident of a coarse run.
+        let is_accurate = found.error <= goal;
+        coarsest.get_or_insert(found);
+        if !is_accurate || goal * FINER_GOAL < FINEST_GOAL {
+            break;
+        }
+        goal *= FINER_GOAL;
     }
+    let position = coarsest.map_or(first, |found| ladder.position(found.setting));
     // The pilot's setting is compared with a coarser run on the whole record.
-    whole.climb(&ladder, ladder.position(found.setting).saturating_sub(ladder.apart()).max(first), tolerance, &mut |setting| {
-        by(problem, setting)
-    })
+    whole.climb(&ladder, position.saturating_sub(ladder.apart()).max(first), tolerance, &mut |setting| by(problem, setting))
 }
 
 /// Returns the setting with as many moments as a curve needs: shorter steps of the Taylor series
@@ -305,16 +326,18 @@ fn for_curves(problem: &Problem, numerics: &Numerics, method: Method, setting: S
     if method == Method::Taylor && numerics.steps_per_period.is_none() {
         return shown_at(method, setting);
     }
-    let ladder = Ladder::new(method, problem, numerics.order);
-    let shown = ladder.setting(FIRST_ENERGY_RUNG + ENERGY_RUNGS_ABOVE).filter(|shown| shown.0 > setting.0);
-    shown.filter(|_| numerics.steps_per_period.is_none()).unwrap_or(setting)
+    if setting.0 >= CURVE_STEPS_PER_PERIOD || numerics.steps_per_period.is_some() {
+        return setting;
+    }
+    Ladder::new(method, problem, numerics.order).setting(CURVE_RUNG).unwrap_or(setting)
 }
 
 /// Returns the setting of the run that adds up the energies.
 ///
 /// Between resonance and excitation, energies flow back and forth, many times larger than those of
 /// friction. Their means therefore need a finer step, but sums over many more steps have more
-/// round-off.
+/// round-off. A Taylor series has them at a small part of the cost of linexp, which integrates them
+/// by quadrature in steps of their own.
 fn for_energies(problem: &Problem, numerics: &Numerics, method: Method, setting: Setting) -> Setting {
     let ladder = Ladder::new(method, problem, numerics.order);
     let most = setting.0.max(MAX_ENERGY_STEP_RATIO * ladder.setting(0).map_or(1, |first| first.0));
@@ -329,8 +352,9 @@ fn continues_after_window(problem: &Problem, numerics: &Numerics) -> bool {
     numerics.whole_run && problem.window_s.1 < problem.duration_s
 }
 
-/// Computes the final run. If it continues long after its window, a shorter run gives the sums of
-/// the window, because energies take many steps.
+/// Computes the final run. If it continues long after its window, or if a series adds up the
+/// energies of linexp, a run of its own gives the sums of the window, and the other one only curves
+/// and peaks.
 fn shown<W: FnMut(&State)>(
     problem: &Problem,
     numerics: &Numerics,
@@ -340,22 +364,31 @@ fn shown<W: FnMut(&State)>(
 ) -> Result<Tally, SolveError> {
     let window = problem.up_to_window();
     let whole = if watch.is_some() || continues_after_window(problem, numerics) { problem } else { &window };
+    let searched = apart && numerics.steps_per_period.is_none();
     let finer = match method {
-        _ if apart && numerics.steps_per_period.is_none() => for_energies(problem, numerics, method, setting),
+        _ if searched => for_energies(problem, numerics, method, setting),
         Method::Taylor => for_curves(problem, numerics, method, setting),
         _ => setting,
     };
-    let long = apart && whole.duration_s > LONG_RUN_RATIO * window.duration_s;
-    let (by, energies) = if long { (for_curves(problem, numerics, method, setting), false) } else { (finer, numerics.energies) };
+    let by_series = searched && method == Method::Linexp && problem.law != Law::Coulomb;
+    let separate = by_series || apart && whole.duration_s > LONG_RUN_RATIO * window.duration_s;
+    let (by, energies) =
+        if separate { (for_curves(problem, numerics, method, setting), false) } else { (finer, numerics.energies) };
     let tally = match watch {
         Some(watch) => method.run(whole, by, energies, watch)?,
         None => runs.run(whole, method, by, energies)?,
     };
-    if !long {
+    if !separate {
         return Ok(tally);
     }
     let Tally { peak_velocity_m_per_s, peak_displacement_m, peak_force_ratio, steps, reversals, .. } = tally;
-    let of_window = runs.run(&window, method, finer, true)?;
+    // Stiff bristles would need too many series.
+    let is_soft = window.kappa() < SMOOTH_KAPPA && spring(&window) < RINGING_STIFFNESS;
+    let series = (by_series && is_soft).then(|| runs.run(&window, Method::Taylor, ENERGY_SETTING, true));
+    let of_window = match series {
+        Some(Ok(of_window)) => of_window,
+        _ => runs.run(&window, method, finer, true)?,
+    };
     Ok(Tally { peak_velocity_m_per_s, peak_displacement_m, peak_force_ratio, steps, reversals, ..of_window })
 }
 

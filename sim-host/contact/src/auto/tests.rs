@@ -1,6 +1,7 @@
 //! Properties of the automatic choice: tolerances are met, estimates are reliable, and failures are
 //! reported.
 
+use super::ladder::Setting;
 use super::*;
 use crate::table_4_1::table_4_1;
 use crate::{Law, Motion, Shape, Waveform, linexp, taylor};
@@ -204,4 +205,50 @@ fn the_series_solves_what_other_methods_cannot() {
         assert_eq!(solution.method, Method::Taylor, "{solution:?}");
         assert!(solution.tolerance_met && (solution.ratios.friction - truth).abs() < 1e-12, "{truth}, {solution:?}");
     }
+}
+
+/// Runs that add up their estimated cost, ns, from steps and reversals.
+struct Priced(std::cell::Cell<f64>);
+
+impl Runs for Priced {
+    fn run(&self, problem: &Problem, method: Method, setting: Setting, energies: bool) -> Result<Tally, SolveError> {
+        let tally = method.run(problem, setting, energies, &mut |_| ())?;
+        assert_eq!(method, Method::Linexp);
+        let step_ns = 20.0 + 4.0 * f64::from(setting.1.unwrap_or(0));
+        self.0.set(self.0.get() + step_ns * tally.steps as f64 + 300.0 * tally.reversals as f64);
+        Ok(tally)
+    }
+
+    fn recorded(&self, _: &Problem, method: Method, _: Setting) -> Result<(Tally, crate::Record), SolveError> {
+        Err(SolveError::Unsuited { method: method.name(), reason: "only the mean is requested".into() })
+    }
+}
+
+#[test]
+fn a_looser_tolerance_is_not_dearer() {
+    let base = table_4_1(0.5, 200.0);
+    let mut dear = 0;
+    for kappa in [0.1, 0.4, 2.0, 4.0, 12.0] {
+        for (xi, periods) in [(0.1, 1000.0), (0.5, 200.0), (0.5, 40.0), (0.9, 200.0), (1.5, 200.0)] {
+            let problem = Problem {
+                law: Law::Dahl { stiffness_n_per_m: 0.056e6 * kappa / base.kappa() },
+                sliding_m_per_s: xi * base.vibration_m_per_s(),
+                ..table_4_1(0.5, periods)
+            };
+            let mut least_ns = f64::INFINITY;
+            for decade in (5..=11).rev() {
+                let numerics = Numerics { tolerance: 10f64.powi(-decade), energies: false, ..Numerics::default() };
+                let priced = Priced(std::cell::Cell::new(0.0));
+                by_method(&problem, &numerics, &priced, None::<&mut fn(&State)>).unwrap();
+                let ns = priced.0.get();
+                let case = format!("kappa {kappa}, xi {xi}, {periods} periods, 1e-{decade}");
+                assert!(ns < 1.6 * least_ns, "{case}: {ns} above {least_ns}");
+                dear += u32::from(ns > 1.2 * least_ns);
+                least_ns = least_ns.min(ns);
+            }
+        }
+    }
+    // A pilot that does not represent its record is repeated, and a short record may need a third
+    // run.
+    assert!(dear <= 12, "{dear} of 175 dearer by more than a fifth");
 }

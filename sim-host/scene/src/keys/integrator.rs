@@ -27,7 +27,7 @@ pub struct Integrator {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 4, max = 100_000))]
     pub steps_per_period: Option<u32>,
-    /// Order of linexp (2, 4, 6) or of the Taylor series (8, 12, … 32), in a contact study.
+    /// Order of linexp (2, 4, 6, 10) or of the Taylor series (8, 12, … 32), in a contact study.
     /// Default: the method's own choice.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 1, max = 64))]

@@ -195,7 +195,7 @@ fn hertzian_contact_needs_a_sine() {
 
 #[test]
 fn methods_and_orders_must_suit_the_contact() {
-    says(&report(&["integrator.order=5"]), &["no order 5", "its orders are `2`, `4` and `6`", "1 problem"]);
+    says(&report(&["integrator.order=5"]), &["no order 5", "its orders are `2`, `4`, `6` and `10`", "1 problem"]);
     says(&report(&["integrator.method=taylor", "integrator.order=6"]), &["no order 6", "`32`"]);
     says(&report(&["integrator.method=midpoint", "integrator.order=4"]), &["midpoint has no choice of order", "omit it"]);
     says(&report(&["integrator.method=closed"]), &["closed does not apply here", "no closed form", "1 problem"]);
