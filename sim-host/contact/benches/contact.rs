@@ -49,7 +49,6 @@ fn steps(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("1000 steps a period, a step");
     group.throughput(Throughput::Elements(u64::from(20 * STEPS))).sample_size(20);
     group.bench_function("rk4", |bencher| bencher.iter(|| rk4::run_plain(&problem, STEPS, &mut |_| ())));
-    group.bench_function("rk4, tabulated force", |bencher| bencher.iter(|| rk4::run_tabulated(&problem, STEPS, &mut |_| ())));
     group.bench_function("rk4 with events", |bencher| bencher.iter(|| rk4_events::run_plain(&problem, STEPS, &mut |_| ())));
     group.bench_function("midpoint", |bencher| bencher.iter(|| midpoint::run(&problem, STEPS, &mut |_| ())));
     group.finish();

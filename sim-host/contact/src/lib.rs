@@ -56,7 +56,7 @@ pub mod wrap;
 
 pub use auto::{Clock, Numerics, Solution, ToleranceOf, closed_form, solve, solve_many, solve_unwatched, solve_with};
 pub use forcing::Forcing;
-pub use method::{Method, coulomb, linexp, midpoint, rk4, rk4_events, rk4_tabulated, taylor};
+pub use method::{Method, coulomb, linexp, midpoint, rk4, rk4_events, taylor};
 pub use orbit::{Orbit, Unsteady};
 pub use problem::{Law, Motion, Problem, Sign};
 pub use record::Record;

@@ -10,7 +10,6 @@ pub mod rates;
 pub mod reversal;
 pub mod rk4;
 pub mod rk4_events;
-pub mod rk4_tabulated;
 pub mod taylor;
 
 #[cfg(test)]

@@ -17,6 +17,7 @@ pub mod interpolate;
 pub mod method;
 pub mod plots;
 pub mod reference;
+pub mod rk4_tabulated;
 pub mod sample;
 pub mod single;
 pub mod study;

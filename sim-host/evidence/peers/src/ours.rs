@@ -47,6 +47,12 @@ const METHODS: &[Method] = &[
         lugre: false,
         run: |p, n| linexp::run(p, n, 6, Options::Plain, &mut |_| ()),
     },
+    Method {
+        name: "linexp of order 10",
+        steps: LINEXP_STEPS,
+        lugre: false,
+        run: |p, n| linexp::run(p, n, 10, Options::Plain, &mut |_| ()),
+    },
     Method { name: "taylor of order 8", steps: TAYLOR_STEPS, lugre: true, run: |p, n| taylor::run_plain(p, n, 8, &mut |_| ()) },
     Method { name: "taylor of order 12", steps: TAYLOR_STEPS, lugre: true, run: |p, n| taylor::run_plain(p, n, 12, &mut |_| ()) },
     Method { name: "taylor of order 16", steps: TAYLOR_STEPS, lugre: true, run: |p, n| taylor::run_plain(p, n, 16, &mut |_| ()) },

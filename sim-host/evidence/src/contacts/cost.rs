@@ -5,13 +5,11 @@ use std::hint::black_box;
 use std::time::{Duration, Instant};
 
 use contact::tally::Ratios;
-use contact::{Method, Numerics, Problem, solve_unwatched};
+use contact::{Method, Numerics, Problem, linexp, solve_unwatched};
 
 use super::ContactRuns;
 use super::judged::Truth;
 
-/// Orders of linexp in the grid.
-const ORDERS: [u32; 3] = [2, 4, 6];
 /// Numbers of steps a period in the grid.
 const STEPS: [u32; 18] = [4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256, 384, 512, 768, 1024, 2048];
 /// Number of rounds; the shortest counts.
@@ -43,7 +41,7 @@ pub fn measure<'a>(set: impl Iterator<Item = &'a ContactRuns>) -> Vec<Cost> {
 fn measure_contact(tried: &ContactRuns, truth: &Truth) -> Vec<Cost> {
     let problem = &tried.contact.problem;
     let mut grid = Vec::new();
-    for order in ORDERS {
+    for order in linexp::ORDERS {
         // From fine to coarse, with the largest error of a setting and all finer ones.
         let mut worst = 0.0f64;
         for steps in STEPS.into_iter().rev() {
@@ -54,7 +52,7 @@ fn measure_contact(tried: &ContactRuns, truth: &Truth) -> Vec<Cost> {
     }
     let best = |tolerance: f64| {
         // Finds the coarsest sufficient setting of each order, then the cheapest of them.
-        let coarsest = ORDERS.into_iter().filter_map(|order| {
+        let coarsest = linexp::ORDERS.into_iter().filter_map(|order| {
             grid.iter().filter(|((of, _), worst)| *of == order && *worst <= tolerance).map(|(setting, _)| *setting).next_back()
         });
         let timed = coarsest.map(|setting| (setting, shortest(&mut || _ = black_box(friction_ratio(problem, setting)))));

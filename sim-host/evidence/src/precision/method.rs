@@ -1,5 +1,6 @@
 //! The measured methods, each with step counts that show its range.
 
+use super::rk4_tabulated;
 use contact::linexp::Options;
 use contact::{Problem, SolveError, State, Tally, linexp, midpoint, rk4, rk4_events, taylor};
 
@@ -70,7 +71,7 @@ macro_rules! method {
 }
 
 /// All methods that are measured.
-pub static METHODS: [Method; 12] = [
+pub static METHODS: [Method; 13] = [
     method!("linexp-2", Ours, [4, 8, 12, 16, 24, 32, 64, 128, 256], [8, 16, 64], |p, n, w| linexp::run(
         p,
         n,
@@ -80,13 +81,14 @@ pub static METHODS: [Method; 12] = [
     )),
     method!("linexp-4", Ours, [4, 8, 12, 16, 24, 32, 64, 128], [8, 16, 32], |p, n, w| linexp::run(p, n, 4, Options::Plain, w)),
     method!("linexp-6", Ours, [4, 8, 12, 16, 24, 32], [8, 16, 32], |p, n, w| linexp::run(p, n, 6, Options::Plain, w)),
+    method!("linexp-10", Ours, [4, 8, 12, 16], [4, 8, 12], |p, n, w| linexp::run(p, n, 10, Options::Plain, w)),
     method!("taylor-8", Ours, [8, 12, 16, 24, 32, 48, 64], [8, 16, 32], |p, n, w| taylor::run_plain(p, n, 8, w)),
     method!("taylor-12", Ours, [8, 12, 16, 20, 24, 32], [8, 16, 24], |p, n, w| taylor::run_plain(p, n, 12, w)),
     method!("taylor-16", Ours, [8, 12, 16, 20], [8, 12, 16], |p, n, w| taylor::run_plain(p, n, 16, w)),
     method!("taylor-20", Ours, [8, 12, 16, 20], [8, 12], |p, n, w| taylor::run_plain(p, n, 20, w)),
     method!("frozen", Other, [8, 16, 32, 64], [8, 16], |p, n, w| linexp::run(p, n, 4, Options::Frozen, w)),
     method!("rk4-plain", Plain, RK4, RK4_QUICK, |p, n, w| rk4::run_plain(p, n, w)),
-    method!("rk4-fair", Fair, RK4, RK4_QUICK, |p, n, w| rk4::run_tabulated(p, n, w)),
+    method!("rk4-fair", Fair, RK4, RK4_QUICK, |p, n, w| rk4_tabulated::run(p, n, w)),
     method!("rk4-events", Other, [20, 40, 100, 200, 400, 1000, 2000], [40, 100, 400], |p, n, w| rk4_events::run_plain(p, n, w)),
     method!("midpoint", Other, [20, 40, 100, 200, 400, 1000, 2000], [40, 100, 400], |p, n, w| midpoint::run(p, n, w)),
 ];

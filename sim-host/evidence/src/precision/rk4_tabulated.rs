@@ -1,6 +1,6 @@
 //! The thesis's method, optimized without changing its result: the baseline for speed comparisons.
 //!
-//! The steps equal those of [`rk4`](super::rk4) to round-off, but use units that save
+//! The steps equal those of [`contact::rk4`] to round-off, but use units that save
 //! multiplications, and take the cosine from a table with two entries per step. With
 //! `X = s (Kt/Fc) x`, `U = s (Kt/Fc) h x'` and the step h as the unit of time,
 //!
@@ -11,11 +11,9 @@
 
 use std::f64::consts::TAU;
 
-use crate::SolveError;
-use crate::problem::{Law, Motion, Problem};
-use crate::tally::{Meter, State, Tally};
-use crate::timeline::{Stretch, Timeline};
-use crate::waveform::Shape;
+use contact::tally::Meter;
+use contact::timeline::{Stretch, Timeline};
+use contact::{Law, Motion, Problem, Shape, SolveError, State, Tally};
 
 const METHOD: &str = "rk4 tabulated";
 
@@ -137,9 +135,10 @@ impl Scales {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::table_4_1::table_4_1;
-    use crate::tally::Ratios;
-    use crate::{Sign, rk4};
+
+    use contact::table_4_1::table_4_1;
+    use contact::tally::Ratios;
+    use contact::{Sign, rk4};
 
     /// Returns the largest difference of x, x' and F from the original method, over the largest of
     /// each, and the difference of the means.
