@@ -19,7 +19,7 @@
 //!
 //! let request = Request { name: "lock".into(), ..Request::default() };
 //! let result = Session::default().run(&request, None).expect("a result");
-//! assert_eq!(result["drive_hash"], "5bdb75abcd9b3130");
+//! assert_eq!(result["drive_hash"], "82f8af0840dc6188");
 //! ```
 
 pub mod board;
