@@ -87,15 +87,8 @@ impl Ladder {
             _ => (f64::from(method.steps(problem.kappa()).unwrap_or(1)), MAX_STEPS_PER_PERIOD),
         };
         let rungs_for_bristles = (RUNGS_PER_OCTAVE * (problem.kappa() / THESIS_KAPPA).log2()).clamp(0.0, MAX_RUNGS_FOR_BRISTLES);
-        Ladder {
-            method,
-            first_steps,
-            order: order.or(method.order()).filter(|_| has_order),
-            climbs,
-            by_order,
-            finest,
-            rungs_for_bristles,
-        }
+        let order = order.or(method.order()).filter(|_| has_order);
+        Ladder { method, first_steps, order, climbs, by_order, finest, rungs_for_bristles }
     }
 
     /// Returns the lower rungs only: if these do not suffice, a pilot does not pay off.

@@ -29,6 +29,7 @@ mod decay;
 mod energy_sums;
 mod exact_step;
 mod fast_step;
+mod feedback;
 mod quadrature;
 mod simd_nodes;
 mod substep;

@@ -6,7 +6,8 @@
 
 use fearless_simd::{Select, Simd, SimdBase, SimdMask};
 
-use super::super::exact_step::{Feedback, LOCATION_TOLERANCE, PASSES, SHORTEST_PART, SMALL_EXPONENT};
+use super::super::exact_step::{LOCATION_TOLERANCE, PASSES, SHORTEST_PART, SMALL_EXPONENT};
+use super::super::feedback::Feedback;
 use super::super::quadrature::Nodes;
 use super::super::simd_nodes::{Lanes, Places, SimdNodes, place};
 use super::decay::decay;
