@@ -120,7 +120,7 @@ impl Method {
         problem: &Problem,
         (steps, order): (u32, Option<u32>),
         accounted: bool,
-        watch: &mut impl FnMut(&State),
+        watch: &mut dyn FnMut(&State),
     ) -> Result<Tally, SolveError> {
         let order = order.or(self.order()).unwrap_or(0);
         let extent = match (self, accounted) {

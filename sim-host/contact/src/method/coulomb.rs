@@ -53,7 +53,7 @@ enum Contact {
 }
 
 /// Runs a problem with a number of steps per period; `watch` receives the state after every step.
-pub fn run(problem: &Problem, steps_per_period: u32, watch: &mut impl FnMut(&State)) -> Result<Tally, SolveError> {
+pub fn run(problem: &Problem, steps_per_period: u32, watch: &mut dyn FnMut(&State)) -> Result<Tally, SolveError> {
     if problem.law != Law::Coulomb {
         return unsuited("it only solves Coulomb friction, which is constant from reversal to reversal");
     }

@@ -68,7 +68,7 @@ pub fn run(
     steps_per_period: u32,
     order: u32,
     options: Options,
-    watch: &mut impl FnMut(&State),
+    watch: &mut dyn FnMut(&State),
 ) -> Result<Tally, SolveError> {
     let Law::Dahl { stiffness_n_per_m: kt } = problem.law else {
         let method = if options == Options::Frozen { "frozen" } else { METHOD };
@@ -119,7 +119,7 @@ where
         Run { problem, exact_step, steps_per_period, with_sums, tables: Vec::new() }
     }
 
-    fn all(mut self, watch: &mut impl FnMut(&State)) -> Result<Tally, SolveError> {
+    fn all(mut self, watch: &mut dyn FnMut(&State)) -> Result<Tally, SolveError> {
         let mut state = self.problem.start;
         for stretch in Timeline::new(self.problem) {
             let exact_step = &mut self.exact_step;

@@ -29,7 +29,7 @@ use crate::timeline::Timeline;
 const METHOD: &str = "midpoint";
 
 /// Runs a problem with a number of steps per period; `watch` receives the state after every step.
-pub fn run(problem: &Problem, steps_per_period: u32, watch: &mut impl FnMut(&State)) -> Result<Tally, SolveError> {
+pub fn run(problem: &Problem, steps_per_period: u32, watch: &mut dyn FnMut(&State)) -> Result<Tally, SolveError> {
     let Some(bristle) = Bristle::new(problem.law, problem.coulomb_n) else {
         let reason = "Coulomb friction has no bristles".into();
         return Err(SolveError::Unsuited { method: METHOD, reason });

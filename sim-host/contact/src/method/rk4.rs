@@ -19,17 +19,17 @@ use crate::timeline::Timeline;
 const METHOD: &str = "rk4";
 
 /// Runs a problem with a number of steps per period; `watch` receives the state after every step.
-pub fn run(problem: &Problem, steps_per_period: u32, watch: &mut impl FnMut(&State)) -> Result<Tally, SolveError> {
+pub fn run(problem: &Problem, steps_per_period: u32, watch: &mut dyn FnMut(&State)) -> Result<Tally, SolveError> {
     go::<FULL_STATES>(problem, steps_per_period, watch)
 }
 
 /// Runs a problem without the integrals of the energies, for timing. These and the peaks are zero
 /// in the tally.
-pub fn run_plain(problem: &Problem, steps_per_period: u32, watch: &mut impl FnMut(&State)) -> Result<Tally, SolveError> {
+pub fn run_plain(problem: &Problem, steps_per_period: u32, watch: &mut dyn FnMut(&State)) -> Result<Tally, SolveError> {
     go::<LEAN_STATES>(problem, steps_per_period, watch)
 }
 
-fn go<const N: usize>(problem: &Problem, steps_per_period: u32, watch: &mut impl FnMut(&State)) -> Result<Tally, SolveError> {
+fn go<const N: usize>(problem: &Problem, steps_per_period: u32, watch: &mut dyn FnMut(&State)) -> Result<Tally, SolveError> {
     if problem.law == Law::Coulomb {
         let reason = "Coulomb friction has a jump at every reversal, which needs located events".into();
         return Err(SolveError::Unsuited { method: METHOD, reason });

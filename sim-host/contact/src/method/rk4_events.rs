@@ -27,16 +27,16 @@ const ROUND_OFF_REL: f64 = 1e-14;
 
 /// Runs a problem with a number of steps per period; `watch` receives the state after every step
 /// and at every reversal.
-pub fn run(problem: &Problem, steps_per_period: u32, watch: &mut impl FnMut(&State)) -> Result<Tally, SolveError> {
+pub fn run(problem: &Problem, steps_per_period: u32, watch: &mut dyn FnMut(&State)) -> Result<Tally, SolveError> {
     go::<FULL_STATES>(problem, steps_per_period, watch)
 }
 
 /// Runs a problem without the integrals of the energies, for timing; they are zero in the tally.
-pub fn run_plain(problem: &Problem, steps_per_period: u32, watch: &mut impl FnMut(&State)) -> Result<Tally, SolveError> {
+pub fn run_plain(problem: &Problem, steps_per_period: u32, watch: &mut dyn FnMut(&State)) -> Result<Tally, SolveError> {
     go::<LEAN_STATES>(problem, steps_per_period, watch)
 }
 
-fn go<const N: usize>(problem: &Problem, steps_per_period: u32, watch: &mut impl FnMut(&State)) -> Result<Tally, SolveError> {
+fn go<const N: usize>(problem: &Problem, steps_per_period: u32, watch: &mut dyn FnMut(&State)) -> Result<Tally, SolveError> {
     if problem.law == Law::Coulomb {
         let reason = "Coulomb friction jumps at a reversal and may then stick".into();
         return Err(SolveError::Unsuited { method: METHOD, reason });

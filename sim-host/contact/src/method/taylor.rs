@@ -43,7 +43,7 @@ const SATURATION_DISTANCE: f64 = 1e-15;
 const SATURATION_ERROR_FRACTION: f64 = 0.1;
 
 /// Runs a problem of Dahl or LuGre friction; `watch` receives the state after every step.
-pub fn run(problem: &Problem, steps_per_period: u32, order: u32, watch: &mut impl FnMut(&State)) -> Result<Tally, SolveError> {
+pub fn run(problem: &Problem, steps_per_period: u32, order: u32, watch: &mut dyn FnMut(&State)) -> Result<Tally, SolveError> {
     of_order(problem, (steps_per_period, order), true, watch)
 }
 
@@ -53,7 +53,7 @@ pub fn run_plain(
     problem: &Problem,
     steps_per_period: u32,
     order: u32,
-    watch: &mut impl FnMut(&State),
+    watch: &mut dyn FnMut(&State),
 ) -> Result<Tally, SolveError> {
     of_order(problem, (steps_per_period, order), false, watch)
 }
@@ -62,7 +62,7 @@ fn of_order(
     problem: &Problem,
     (steps, order): (u32, u32),
     accounted: bool,
-    watch: &mut impl FnMut(&State),
+    watch: &mut dyn FnMut(&State),
 ) -> Result<Tally, SolveError> {
     match order {
         8 => Run::<9>::new(problem, accounted)?.all(steps, watch),
@@ -108,7 +108,7 @@ impl<'a, const N: usize> Run<'a, N> {
         Ok(Run { problem, coulomb_n, x: x_m, v: v_m_per_s, bristle, f: bristle, of_bristles, sense: 0.0, meter })
     }
 
-    fn all(mut self, steps_per_period: u32, watch: &mut impl FnMut(&State)) -> Result<Tally, SolveError> {
+    fn all(mut self, steps_per_period: u32, watch: &mut dyn FnMut(&State)) -> Result<Tally, SolveError> {
         let mut state = self.state(0.0);
         let mut series = Series::new();
         for stretch in Timeline::new(self.problem) {
@@ -136,7 +136,7 @@ impl<'a, const N: usize> Run<'a, N> {
         series: &mut Series<N>,
         stretch: &Stretch,
         steps: u32,
-        watch: &mut impl FnMut(&State),
+        watch: &mut dyn FnMut(&State),
     ) -> Result<State, SolveError> {
         let h = stretch.length_s / f64::from(steps);
         let same_s = SAME_MOMENT_STEPS * h;
