@@ -22,13 +22,28 @@
 //!
 //! No quadrature and no small step is needed to locate the sticking places.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 
 /// Returns the length of a vector. The values here are far from the ends of the number range, for
 /// which `hypot` takes five times as long.
 #[inline]
 pub(super) fn length(x: f64, y: f64) -> f64 {
     (x * x + y * y).sqrt()
+}
+
+/// Returns the sine of an angle from 0 to pi from its cosine.
+#[inline]
+fn sine(cos: f64) -> f64 {
+    ((1.0 - cos) * (1.0 + cos)).sqrt()
+}
+
+/// An angle with its cosine and sine.
+#[derive(Clone, Copy, Debug)]
+struct Angle {
+    /// The angle, rad; for a difference of two primitives only up to a constant.
+    p: f64,
+    cos: f64,
+    sin: f64,
 }
 
 /// Friction properties of the contact layer.
@@ -70,19 +85,21 @@ pub struct CrestFriction {
 impl Crest {
     /// Returns half the angle over which a crest touches, rad; pi if the wave touches everywhere.
     pub fn zone(&self) -> f64 {
-        if self.rotor_m <= -self.height_m {
-            PI
-        } else if self.rotor_m >= self.height_m {
-            0.0
-        } else {
-            libm::acos(self.rotor_m / self.height_m)
+        libm::acos(self.cos_zone())
+    }
+
+    /// Returns the cosine of [`zone`](Self::zone).
+    fn cos_zone(&self) -> f64 {
+        match (self.rotor_m, self.height_m) {
+            (rotor_m, height_m) if rotor_m <= -height_m => -1.0,
+            (rotor_m, height_m) if rotor_m >= height_m => 1.0,
+            (rotor_m, height_m) => rotor_m / height_m,
         }
     }
 
     /// Returns `P0`, `P1` and `P2` at an angle.
-    fn primitive(&self, p: f64) -> [f64; 3] {
+    fn primitive(&self, Angle { p, cos, sin }: Angle) -> [f64; 3] {
         let (r, h) = (self.height_m, self.rotor_m);
-        let (sin, cos) = libm::sincos(p);
         [r * sin - h * p, 0.5 * r * (p + sin * cos) - h * sin, 0.5 * r * sin * sin + h * cos]
     }
 
@@ -93,7 +110,8 @@ impl Crest {
         if zone == 0.0 {
             return CrestFriction::default();
         }
-        let end = self.primitive(zone);
+        let cos = self.cos_zone();
+        let end = self.primitive(Angle { p: zone, cos, sin: sine(cos) });
         // P0 and P1 are odd, P2 is even.
         let all = [2.0 * end[0], 2.0 * end[1], 0.0];
         let faster = self.faster_side(zone, end, speed).unwrap_or(all);
@@ -114,19 +132,29 @@ impl Crest {
         if speed <= -amplitude {
             return None;
         }
-        let at = |p: f64| match p {
-            p if p == zone => end,
-            p if p == -zone => [-end[0], -end[1], end[2]],
-            p => self.primitive(p),
-        };
+        let (cos_delta, sin_delta) = (self.along_m_per_s / amplitude, self.across_m_per_s / amplitude);
+        let cos = speed / amplitude;
+        let (half, sin) = (libm::acos(cos), sine(cos));
+        // Cosine and sine of both crossings by the addition theorem.
+        let crossing = |sin: f64| (cos_delta * cos - sin_delta * sin, sin_delta * cos + cos_delta * sin);
+        let [first, last] = [crossing(-sin), crossing(sin)];
+        let at = |p: f64, (cos, sin): (f64, f64)| self.primitive(Angle { p, cos, sin });
+        let cos_zone = self.cos_zone();
+        if self.along_m_per_s > 0.0 && speed > 0.0 && first.0 > cos_zone && last.0 > cos_zone {
+            // The arc is within the zone and shorter than half a turn. The angles only enter by
+            // their difference, so that its centre is not needed.
+            let (a, b) = (at(-half, first), at(half, last));
+            return Some(std::array::from_fn(|n| b[n] - a[n]));
+        }
+        let mirrored = [-end[0], -end[1], end[2]];
         let delta = libm::atan2(self.across_m_per_s, self.along_m_per_s);
-        let half = libm::acos(speed / amplitude);
         let mut sum = [0.0; 3];
         // The arc may extend past either end of the turn.
         for centre in [delta - TAU, delta, delta + TAU] {
-            let (from, to) = ((centre - half).max(-zone), (centre + half).min(zone));
-            if from < to {
-                let (a, b) = (at(from), at(to));
+            let (from, to) = (centre - half, centre + half);
+            if from.max(-zone) < to.min(zone) {
+                let a = if from <= -zone { mirrored } else { at(from, first) };
+                let b = if to >= zone { end } else { at(to, last) };
                 sum = std::array::from_fn(|n| sum[n] + (b[n] - a[n]));
             }
         }
@@ -136,6 +164,8 @@ impl Crest {
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::PI;
+
     use super::*;
 
     const LAYER: Layer = Layer { mu: 0.3, stiffness_n_per_m: 5e7 };

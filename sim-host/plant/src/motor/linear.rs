@@ -22,8 +22,17 @@ use scene::Amplifier;
 /// amplifier outputs, their slopes.
 type Fours = [Quad; 4];
 
-/// Response of the rows to each lane's voltage before and after it changes.
-type Response = [[Fours; 2]; MAX_LANES];
+/// Response of the rows in one step to the lanes' voltages: before and after they change.
+#[derive(Clone, Copy, Debug)]
+struct Response {
+    /// `true` if a lane still has its earlier voltage in this step.
+    is_early: bool,
+    /// Response to each lane, before and after its change, of voltages and modes.
+    shared: [[[Quad; 2]; 2]; MAX_LANES],
+    /// Response of the amplifiers' outputs and slopes, each to its own lane before and after its
+    /// change.
+    own: [[Quad; 2]; 2],
+}
 
 /// Coefficients of voltage and current of one lane at two times within a step (v, i, v, i).
 #[derive(Clone, Copy, Debug, Default)]
@@ -81,6 +90,12 @@ impl Flows {
     }
 }
 
+/// Returns the total of the sums of four groups of columns and of the drive.
+#[inline(always)]
+fn total<F: Registers>([v, modes, e, d, drive]: [Wide<F>; 5]) -> Wide<F> {
+    ((v + modes) + (e + d)) + drive
+}
+
 fn fours(row: impl Fn(usize) -> f64) -> Fours {
     std::array::from_fn(|four| Quad(std::array::from_fn(|n| row(4 * four + n))))
 }
@@ -115,10 +130,12 @@ impl Linear {
         let into = |step: usize, lane: usize| change[lane] * timing.sample_s - step as f64 * step_s;
         self.drive = (0..timing.steps as usize)
             .map(|step| {
-                std::array::from_fn(|lane| {
-                    let rows: [[f64; 2]; STATES] = std::array::from_fn(|row| flows.drive(row, lane, step_s, into(step, lane)));
-                    [fours(|row| rows[row][0]), fours(|row| rows[row][1])]
-                })
+                let mut response = |row: usize, lane: usize, when: usize| flows.drive(row, lane, step_s, into(step, lane))[when];
+                let mut quad =
+                    |first: usize, lane: usize, when: usize| Quad([0, 1, 2, 3].map(|n| response(first + n, lane, when)));
+                let shared = std::array::from_fn(|lane| [0, 1].map(|when| [V, S].map(|first| quad(first, lane, when))));
+                let own = [E, D].map(|first| [0, 1].map(|when| Quad([0, 1, 2, 3].map(|n| response(first + n, n, when)))));
+                Response { is_early: (0..MAX_LANES).any(|lane| into(step, lane) > 0.0), shared, own }
             })
             .collect();
         let source = amplifier.source_ohm;
@@ -152,24 +169,40 @@ impl Linear {
     /// Advances by step `step` of a sample with the drive as played and no friction.
     #[inline(always)]
     pub(crate) fn advance<F: Registers>(&mut self, four: F, step: usize, played: &Played) {
-        let mut sum = [Wide::splat(four, 0.0); 4];
-        for (lane, [before, after]) in self.drive[step].iter().enumerate() {
-            let (a, b) = (Wide::splat(four, played.before[lane]), Wide::splat(four, played.after[lane]));
-            for row in 0..4 {
-                sum[row] = sum[row] + (before[row].wide(four) * a + after[row].wide(four) * b);
-            }
-        }
+        let response = &self.drive[step];
         let [ee, ed, de, dd] = self.amplifier.map(|part| part.wide(four));
         let [_, _, e, d] = self.x.map(|rows| rows.wide(four));
-        sum[2] = sum[2] + (ee * e + ed * d);
-        sum[3] = sum[3] + (de * e + dd * d);
-        for (rows, columns) in self.flow.chunks_exact(4).enumerate() {
-            for (x, [volts, modes]) in self.x[rows].0.into_iter().zip(columns) {
-                let x = Wide::splat(four, x);
-                sum[0] = sum[0] + volts.wide(four) * x;
-                sum[1] = sum[1] + modes.wide(four) * x;
+        let [own_e, own_d] = response.own;
+        let after = Quad(played.after).wide(four);
+        let mut e_rows = (ee * e + ed * d) + own_e[1].wide(four) * after;
+        let mut d_rows = (de * e + dd * d) + own_d[1].wide(four) * after;
+        // Separate sums of groups of four columns: in a single one each addition would wait for the
+        // one before.
+        let zero = Wide::splat(four, 0.0);
+        let (mut volts, mut modes) = ([zero; 5], [zero; 5]);
+        for (lane, [before, after]) in response.shared.iter().enumerate() {
+            let x = Wide::splat(four, played.after[lane]);
+            volts[4] = volts[4] + after[0].wide(four) * x;
+            modes[4] = modes[4] + after[1].wide(four) * x;
+            if response.is_early {
+                let x = Wide::splat(four, played.before[lane]);
+                volts[4] = volts[4] + before[0].wide(four) * x;
+                modes[4] = modes[4] + before[1].wide(four) * x;
             }
         }
+        if response.is_early {
+            let before = Quad(played.before).wide(four);
+            e_rows = e_rows + own_e[0].wide(four) * before;
+            d_rows = d_rows + own_d[0].wide(four) * before;
+        }
+        for (group, columns) in self.flow.chunks_exact(4).enumerate() {
+            for (x, column) in self.x[group].0.into_iter().zip(columns) {
+                let x = Wide::splat(four, x);
+                volts[group] = volts[group] + column[0].wide(four) * x;
+                modes[group] = modes[group] + column[1].wide(four) * x;
+            }
+        }
+        let sum = [total(volts), total(modes), e_rows, d_rows];
         self.before = std::mem::replace(&mut self.x, sum.map(Wide::quad));
     }
 
@@ -230,15 +263,18 @@ impl Linear {
         let mut codes = [0; 2];
         for looks in &self.looks[step] {
             let look = &looks[lane];
-            let mut sum = times(look.force[0], newtons[0]) + times(look.force[1], newtons[1]);
+            let mut parts = [Wide::splat(four, 0.0); 5];
+            parts[4] = times(look.force[0], newtons[0]) + times(look.force[1], newtons[1]);
             for (by, [earlier, later]) in look.drive.iter().enumerate() {
-                sum = sum + (times(*earlier, played.before[by]) + times(*later, played.after[by]));
+                parts[4] = parts[4] + times(*later, played.after[by]);
+                parts[4] = parts[4] + times(*earlier, played.before[by]);
             }
-            for (x, columns) in self.before.iter().zip(look.state.chunks_exact(4)) {
-                for (x, column) in x.0.into_iter().zip(columns) {
-                    sum = sum + times(*column, x);
+            for (group, columns) in look.state.chunks_exact(4).enumerate() {
+                for (x, column) in self.before[group].0.into_iter().zip(columns) {
+                    parts[group] = parts[group] + times(*column, x);
                 }
             }
+            let sum = total(parts);
             let [v, i] = adc.digitize(adc.scaled(sum), look.conversions);
             codes = [codes[0] + v, codes[1] + i];
         }
