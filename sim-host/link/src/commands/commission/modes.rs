@@ -216,12 +216,30 @@ fn scan_closely(
         let (found_hz, q) = (f64::from(transducer.series_resonance_hz), f64::from(transducer.q));
         let moved = (found_hz - hz).abs() >= beyond_hz(OTHER_MODE_DISTANCE, hz, f64::from(resonance.q));
         let again = modes.iter().any(|mode| (mode.hz() - found_hz).abs() < beyond_hz(SAME_MODE_DISTANCE, found_hz, q));
-        if !moved && !again && transducer.c0_f > 0.0 {
+        if !moved && !again {
             modes.push(Mode { transducer, volts: at_v });
         }
     }
+    let known = modes.clone();
+    for mode in modes.iter_mut().filter(|mode| mode.transducer.c0_f <= 0.0) {
+        subtract_others(mode, &known);
+    }
+    modes.retain(|mode| mode.transducer.c0_f > 0.0);
     modes.sort_by(|a, b| a.hz().total_cmp(&b.hz()));
     Ok(modes)
+}
+
+/// Subtracts the other modes from the clamped capacitance of a mode. Another mode acts at it as a
+/// capacitor of `Cm / (1 - (f / fk)^2)`, a negative one above its resonance `fk`, which may be
+/// larger.
+fn subtract_others(mode: &mut Mode, known: &[Mode]) {
+    let hz = mode.hz();
+    let others = known.iter().filter(|other| other.hz() != hz);
+    let others_f: f64 = others.map(|other| other.strength() / (1.0 - (hz / other.hz()).powi(2))).sum();
+    let it = &mut mode.transducer;
+    it.c0_f -= others_f as f32;
+    it.coupling = (it.cm_f / (it.c0_f + it.cm_f)).sqrt();
+    it.parallel_resonance_hz = it.series_resonance_hz * (1.0 + it.cm_f / it.c0_f).sqrt();
 }
 
 /// Scans a window. The voltage is reduced while the current is too large, and the window is shifted
