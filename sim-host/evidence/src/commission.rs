@@ -31,16 +31,21 @@ struct Commissioned {
 /// Commissions the transducers, and returns the evidence.
 pub(crate) fn run(options: &mut Options) -> Result<Evidence, Error> {
     let number = options.count.unwrap_or(TRANSDUCERS[usize::from(options.quick)]);
-    (options.progress)(&format!("{number} transducers"));
+    let first = options.seed.map(|first| first.min(u32::MAX.into()) as u32);
+    let of_set = first.map_or(String::new(), |first| format!(" of the wider set, from number {first}"));
+    (options.progress)(&format!("{number} transducers{of_set}"));
     let set = each(number, options.stop, |number| {
-        let transducer = Transducer::draw(number);
+        let transducer = match first {
+            Some(first) => Transducer::draw_wider(first.saturating_add(number)),
+            None => Transducer::draw(number),
+        };
         let (command, judged) = judge(&transducer)?;
         Ok(Commissioned { transducer, command, judged })
     })?;
-    let title = "Commissioning: random transducers found from a band alone";
+    let title = format!("Commissioning: random transducers{of_set} found from a band alone");
     let subtitle = "Simulated: `sim-host link PORT commission` against the firmware on the host and the simulated stack";
     let files = vec![("commission.csv", tables::csv(&set)?)];
-    Ok(campaign::evidence(title, subtitle, tables::tables(&set), files, missed(&set)))
+    Ok(campaign::evidence(&title, subtitle, tables::tables(&set), files, missed(&set)))
 }
 
 /// Returns the targets that are missed.
@@ -76,6 +81,13 @@ mod tests {
             let is_found = judged.is_right() || judged.is_good();
             assert!(is_found && judged.peak_v_rel <= 1.0 && judged.peak_a_rel <= 1.0, "{command}");
         }
+    }
+
+    /// A mode whose apparent capacitance is negative, because of another one below it.
+    #[test]
+    fn a_mode_above_another_is_found() {
+        let (command, judged) = judge(&Transducer::draw_wider(491)).unwrap();
+        assert!(judged.is_right(), "{command}");
     }
 
     /// The quick variant has no silently wrong result and never exceeds the voltage and current

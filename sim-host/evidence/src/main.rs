@@ -42,7 +42,8 @@ struct Arguments {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     count: Option<u32>,
     /// Run one input alone, with the seed from a failure message (`fuzz`, `soak`), or another set
-    /// of contacts (`contacts`), or the wider set from this number on (`transducers`).
+    /// of contacts (`contacts`), or the wider set from this number on (`transducers`,
+    /// `commission`).
     #[arg(long, value_name = "SEED")]
     seed: Option<u64>,
     /// List the benches, or the command of each case of a suite, and run nothing.
@@ -94,12 +95,12 @@ fn main() -> anyhow::Result<ExitCode> {
     if let Some(setting) = &arguments.alone {
         return alone(setting);
     }
-    if arguments.seed.is_some()
-        && arguments.count.is_some()
-        && arguments.names != ["contacts"]
-        && arguments.names != ["transducers"]
-    {
-        eprintln!("error: --seed runs one input alone, without --count; only `contacts` and `transducers` take both");
+    let of_a_set = ["contacts", "transducers", "commission"];
+    let is_alone = !matches!(&arguments.names[..], [name] if of_a_set.contains(&name.as_str()));
+    if arguments.seed.is_some() && arguments.count.is_some() && is_alone {
+        eprintln!(
+            "error: --seed runs one input alone, without --count; only `contacts`, `transducers` and `commission` take both"
+        );
         return Ok(ExitCode::from(USAGE));
     }
     match arguments.names.iter().map(String::as_str).collect::<Vec<_>>()[..] {

@@ -23,9 +23,9 @@ use crate::transducers::outcome::bound_hz;
 
 /// Ratio of the ends of a band.
 const BAND_RATIO: f64 = 1.5;
-/// Lowest lower end of a band that the converters of a board with blocks of 32 samples can measure,
-/// Hz.
-const MIN_LOW_HZ: f64 = 15_700.0;
+/// Lowest lower end of a band that is given, Hz: the converters of a board with blocks of 32
+/// samples can measure above the first one, of 50 samples above the second.
+const MIN_LOW_HZ: [f64; 2] = [15_700.0, 10_100.0];
 /// Detuning at which the tip velocity per volt, 1 / sqrt(1 + (2 Q b / fs)^2), is 0.99 of its
 /// maximum, relative to the bandwidth.
 const GOOD_REL: f64 = 0.0712;
@@ -96,7 +96,8 @@ impl Judged {
 fn band_hz(of: &Transducer) -> (f64, f64) {
     // Evenly over the middle four fifths of the band, on a logarithmic scale.
     let part = 0.1 + 0.8 * (f64::from(of.number) * 0.618_033_988_75).fract();
-    let low_hz = (of.hz / BAND_RATIO.powf(part)).max(MIN_LOW_HZ).round();
+    let min_hz = MIN_LOW_HZ.into_iter().find(|min_hz| *min_hz < 0.98 * of.hz).unwrap_or(0.0);
+    let low_hz = (of.hz / BAND_RATIO.powf(part)).max(min_hz).round();
     (low_hz, (BAND_RATIO * low_hz).round())
 }
 
