@@ -5,9 +5,13 @@
 //! and squaring of its Taylor series. If a DAC holds `u`, this solution is exact, and the fast pole
 //! of the clamped capacitance does not limit the step.
 //!
-//! For a matrix that is a polynomial in a parameter, the same arithmetic on truncated polynomials
-//! gives the exponential as a polynomial. Its coefficients are the Taylor coefficients in that
-//! parameter, without difference quotients.
+//! For a matrix that is a polynomial in some variables, the same arithmetic on truncated
+//! polynomials gives the exponential as a polynomial. Its coefficients are the Taylor coefficients
+//! in those variables, without difference quotients.
+
+mod monomials;
+
+pub use monomials::Monomials;
 
 /// Square matrix, in row-major order.
 pub type Matrix<const M: usize> = [[f64; M]; M];
@@ -26,35 +30,36 @@ pub fn exponential<const M: usize>(a: &Matrix<M>) -> Matrix<M> {
     (0..halvings).fold(sum, |squared, _| product(&squared, &squared))
 }
 
-/// Computes the first `K` coefficients of `exp(a0 + a1 s + a2 s^2)` as a polynomial in `s`, to
-/// round-off. The first equals [`exponential`] bit for bit.
-pub fn exponential_series<const M: usize, const K: usize>(a: &[Matrix<M>; 3]) -> [Matrix<M>; K] {
+/// Computes the exponential of a polynomial `a` in several variables as a polynomial, to
+/// round-off. The constant equals [`exponential`] of the constant of `a` bit for bit.
+pub fn exponential_series<const M: usize>(a: &[Matrix<M>], monomials: &Monomials) -> Vec<Matrix<M>> {
     let halvings = halvings(&a[0]);
     let scale = 0.5f64.powi(halvings);
-    let mut scaled = [[[0.0; M]; M]; K];
-    for (to, from) in scaled.iter_mut().zip(a) {
-        *to = from.map(|row| row.map(|x| x * scale));
-    }
-    let mut sum = [[[0.0; M]; M]; K];
+    let scaled: Vec<Matrix<M>> = a.iter().map(|matrix| matrix.map(|row| row.map(|x| x * scale))).collect();
+    let all = &monomials.products;
+    let with_a: Vec<[usize; 3]> = all.iter().copied().filter(|&[_, second, _]| a[second] != [[0.0; M]; M]).collect();
+    let mut sum = vec![[[0.0; M]; M]; a.len()];
     sum[0] = identity();
-    let mut term = sum;
+    let (mut term, mut next) = (sum.clone(), sum.clone());
     for k in 1..=TERMS {
-        term = series_product(&term, &scaled, a.len()).map(|matrix| matrix.map(|row| row.map(|x| x / f64::from(k))));
-        sum.iter_mut().zip(&term).for_each(|(sum, term)| accumulate(sum, term));
+        series_product(&mut next, &term, &scaled, &with_a);
+        next.as_flattened_mut().as_flattened_mut().iter_mut().for_each(|x| *x /= f64::from(k));
+        sum.iter_mut().zip(&next).for_each(|(sum, term)| accumulate(sum, term));
+        std::mem::swap(&mut term, &mut next);
     }
-    (0..halvings).fold(sum, |squared, _| series_product(&squared, &squared, K))
+    for _ in 0..halvings {
+        series_product(&mut next, &sum, &sum, all);
+        std::mem::swap(&mut sum, &mut next);
+    }
+    sum
 }
 
-/// Multiplies two polynomials, of which the second has `terms` coefficients, and truncates the
-/// product.
-fn series_product<const M: usize, const K: usize>(a: &[Matrix<M>; K], b: &[Matrix<M>; K], terms: usize) -> [Matrix<M>; K] {
-    std::array::from_fn(|degree| {
-        let first = product(&a[degree], &b[0]);
-        (1..terms.min(degree + 1)).fold(first, |mut sum, j| {
-            accumulate(&mut sum, &product(&a[degree - j], &b[j]));
-            sum
-        })
-    })
+/// Multiplies two polynomials; `products` are the places of two factors and of their product.
+fn series_product<const M: usize>(to: &mut [Matrix<M>], a: &[Matrix<M>], b: &[Matrix<M>], products: &[[usize; 3]]) {
+    to.fill([[0.0; M]; M]);
+    for &[first, second, place] in products {
+        add_product(&mut to[place], &a[first], &b[second]);
+    }
 }
 
 /// Number of terms of the Taylor series for a norm below 1/8; the last term is below 1e-23.
@@ -78,13 +83,17 @@ fn identity<const M: usize>() -> Matrix<M> {
 
 fn product<const M: usize>(a: &Matrix<M>, b: &Matrix<M>) -> Matrix<M> {
     let mut product = [[0.0; M]; M];
+    add_product(&mut product, a, b);
+    product
+}
+
+fn add_product<const M: usize>(sum: &mut Matrix<M>, a: &Matrix<M>, b: &Matrix<M>) {
     // Working row by row lets the compiler use vector registers.
-    for (row, factors) in product.iter_mut().zip(a) {
+    for (row, factors) in sum.iter_mut().zip(a) {
         for (factor, other) in factors.iter().zip(b) {
             row.iter_mut().zip(other).for_each(|(x, y)| *x += factor * y);
         }
     }
-    product
 }
 
 #[cfg(test)]
@@ -98,19 +107,27 @@ mod tests {
         assert!((e[0][0] - angle.cos()).abs() < 1e-12 && (e[1][0] - angle.sin()).abs() < 1e-12, "{e:?}");
     }
 
-    /// Rotation whose angle is linear in `s`: the coefficients are the derivatives of a cosine over
-    /// the factorials.
+    /// Rotation by `angle + slope s + r`: the coefficient of `s^n r^m` is the derivative of the
+    /// cosine, times `slope^n / (n! m!)`.
     #[test]
     fn a_series_has_the_derivatives() {
         let (angle, slope) = (1.3, 0.4);
         let matrix = |angle: f64| [[0.0, -angle], [angle, 0.0]];
-        let series: [Matrix<2>; 5] = exponential_series(&[matrix(angle), matrix(slope), matrix(0.0)]);
-        let derivatives = [angle.cos(), -angle.sin(), -angle.cos(), angle.sin(), angle.cos()];
-        let mut factor = 1.0;
-        for (k, (matrix, derivative)) in series.iter().zip(derivatives).enumerate() {
-            assert!((matrix[0][0] - derivative * factor).abs() < 1e-15, "{k}: {matrix:?}");
-            factor *= slope / (k + 1) as f64;
+        let monomials = Monomials::new(2, 3);
+        let mut a = vec![matrix(0.0); monomials.exponents().len()];
+        for (exponents, by) in [([0, 0], angle), ([1, 0], slope), ([0, 1], 1.0)] {
+            a[monomials.place(&exponents).unwrap()] = matrix(by);
         }
+        let series = exponential_series(&a, &monomials);
+        let derivatives = [angle.cos(), -angle.sin(), -angle.cos(), angle.sin(), angle.cos()];
+        let factorial = |n: u32| f64::from((1..=n).product::<u32>());
+        for (matrix, exponents) in series.iter().zip(monomials.exponents()) {
+            let (n, m) = (exponents[0], exponents[1]);
+            let expected = derivatives[(n + m) as usize] * slope.powi(n as i32) / (factorial(n) * factorial(m));
+            // Four squarings double a round-off of 1e-16 each, for every factor of two.
+            assert!((matrix[0][0] - expected).abs() < 5e-15, "{exponents:?}: {matrix:?}");
+        }
+        assert_eq!(series.len(), 10 + 2);
         assert_eq!(series[0], exponential(&matrix(angle)));
     }
 

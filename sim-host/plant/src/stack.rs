@@ -10,7 +10,7 @@ pub(crate) mod lanes;
 use wide::f64x2;
 
 use crate::circuit::Circuit;
-use crate::expansion::{Expansion, Path};
+use crate::expansion::{Change, Expansion};
 use crate::network::{I, STATES, V0, VC};
 use crate::parts::Parts;
 use crate::quad::{Registers, Wide};
@@ -51,8 +51,10 @@ pub struct Stack {
     /// Number of times that the flow was recomputed.
     remade: u64,
     expansion: Option<Box<Expansion>>,
-    /// Element that changed last.
-    moved: Option<Path>,
+    /// Number of changes since a series was computed.
+    since: usize,
+    /// What changed last.
+    moved: Option<Vec<Change>>,
 }
 
 impl Stack {
@@ -67,7 +69,7 @@ impl Stack {
         let modes = parts.further.len();
         let layout = Layout { timing, late_s, source_ohm: amplifier.source_ohm, further: modes };
         let mut stack = Stack {
-            flow: StepFlow::from_parts(&parts, amplifier, &layout),
+            flow: Expansion::new(&parts, &[], amplifier, &layout).1,
             remade: 0,
             parts,
             amplifier: amplifier.clone(),
@@ -79,6 +81,7 @@ impl Stack {
             further: vec![[0.0; 2]; modes],
             further_before: vec![[0.0; 2]; modes],
             expansion: None,
+            since: 0,
             moved: None,
         };
         stack.scale_tip();
@@ -113,29 +116,28 @@ impl Stack {
         self.further.resize(parts.further.len(), [0.0; 2]);
         self.further_before.resize(parts.further.len(), [0.0; 2]);
         self.layout.further = parts.further.len();
-        let moved = Path::between(&self.parts, &parts).map(|(path, _)| path);
-        self.parts = parts;
-        self.remake(moved);
+        let old = std::mem::replace(&mut self.parts, parts);
+        self.remake(&old);
         self.scale_tip();
     }
 
     /// Updates the flow to the present elements: by the series within its range, by a new series if
-    /// the same element changes again, otherwise exactly.
-    fn remake(&mut self, moved: Option<Path>) {
+    /// the same elements change again and the last series, or exact flows since then, have paid for
+    /// it, otherwise exactly.
+    fn remake(&mut self, old: &Parts) {
         self.remade += 1;
-        let last = std::mem::replace(&mut self.moved, moved);
-        if self.expansion.as_ref().is_some_and(|expansion| expansion.lead(&self.parts, &mut self.flow)) {
+        self.since += 1;
+        if self.expansion.as_mut().is_some_and(|expansion| expansion.lead(&self.parts, &mut self.flow)) {
             return;
         }
-        self.expansion = None;
-        match moved.filter(|_| moved == last) {
-            Some(path) => {
-                let (expansion, flow) = Expansion::new(&self.parts, path, &self.amplifier, &self.layout);
-                self.flow = flow;
-                self.expansion = Some(Box::new(expansion));
-            }
-            None => self.flow = StepFlow::from_parts(&self.parts, &self.amplifier, &self.layout),
-        }
+        let last = std::mem::replace(&mut self.moved, Change::kinds(old, &self.parts));
+        let pays = |changes: &&Vec<Change>| self.moved == last && self.since >= Expansion::cost(changes.len());
+        let changes = self.moved.as_ref().filter(pays);
+        let none = Vec::new();
+        let (expansion, flow) = Expansion::new(&self.parts, changes.unwrap_or(&none), &self.amplifier, &self.layout);
+        self.since = if changes.is_some() { 0 } else { self.since };
+        self.expansion = changes.map(|_| Box::new(expansion));
+        self.flow = flow;
     }
 
     fn scale_tip(&mut self) {

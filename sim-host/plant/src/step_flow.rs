@@ -5,12 +5,10 @@
 
 use wide::f64x2;
 
-use crate::network::{D, DRIVE, E, FORCE, FURTHER, I, STATES, V0, VC, network};
-use crate::parts::Parts;
+use crate::network::{D, DRIVE, E, FORCE, FURTHER, I, STATES, V0, VC};
 use crate::quad::Quad;
 use crate::timing::Timing;
-use contact::flow::{Matrix, exponential};
-use scene::Amplifier;
+use contact::flow::Matrix;
 
 /// Index of the total current `(e - v0) / Rs`, a sixth row that is not a state; the flow provides
 /// it at no cost.
@@ -89,30 +87,6 @@ pub struct StepFlow {
 }
 
 impl StepFlow {
-    /// Computes the exact flow of a network.
-    pub fn from_parts(parts: &Parts, amplifier: &Amplifier, layout: &Layout) -> Self {
-        match parts.further.len() {
-            0 => Self::with_size::<FURTHER>(parts, amplifier, layout),
-            1 => Self::with_size::<{ FURTHER + 2 }>(parts, amplifier, layout),
-            2 => Self::with_size::<{ FURTHER + 4 }>(parts, amplifier, layout),
-            3 => Self::with_size::<{ FURTHER + 6 }>(parts, amplifier, layout),
-            _ => Self::with_size::<{ FURTHER + 8 }>(parts, amplifier, layout),
-        }
-    }
-
-    fn with_size<const N: usize>(parts: &Parts, amplifier: &Amplifier, layout: &Layout) -> Self {
-        let a: Matrix<N> = network(parts, amplifier);
-        let mut known: Vec<(f64, Matrix<N>)> = Vec::new();
-        Self::new(layout, &mut |seconds| match known.iter().find(|(time, _)| *time == seconds) {
-            Some((_, matrix)) => *matrix,
-            None => {
-                let matrix = exponential(&a.map(|row| row.map(|x| x * seconds)));
-                known.push((seconds, matrix));
-                matrix
-            }
-        })
-    }
-
     /// Computes the flow from `over`, which returns the transition matrix of the states over the
     /// given seconds.
     pub(super) fn new<const N: usize>(layout: &Layout, over: &mut impl FnMut(f64) -> Matrix<N>) -> Self {
@@ -142,6 +116,13 @@ impl StepFlow {
             looks: looks(layout, over, total),
             late: lates.iter().map(|m| column(m, DRIVE)).collect(),
         }
+    }
+
+    /// Multiplies the responses to the friction.
+    pub(super) fn scale_force(&mut self, factor: f64) {
+        self.force.iter_mut().for_each(|pair| *pair *= factor);
+        self.further.iter_mut().for_each(|mode| mode.force *= factor);
+        self.looks.iter_mut().flatten().for_each(|look| look.force.0.iter_mut().for_each(|x| *x *= factor));
     }
 
     /// Passes every number of the flow to `with`, always in the same order, two or four at a time.

@@ -177,3 +177,38 @@ fn motion_continues_when_the_coupling_changes() {
     let near = |a: f64, b: f64| (a / b - 1.0).abs() < 1e-12;
     assert!(near(before.0, after.0) && near(before.1, after.1) && near(before.2, after.2), "{before:?} {after:?}");
 }
+
+/// A drift by the series equals one by an exponential in every block: one resonance, and everything
+/// that temperature changes.
+#[test]
+fn the_series_gives_the_same_run() {
+    let mut series = Stack::new(A3.into(), &Amplifier::default(), timing(1e-6));
+    let mut exact = series.clone();
+    let (mut worst, mut remade) = (0.0f64, 0);
+    for n in 0..64_000 {
+        if n % 32 == 0 {
+            let s = 2.5e-7 * f64::from(n);
+            let mut circuit = A3.with_series_resonance(A3.series_resonance_hz() * (1.0 - 0.5 * s));
+            if n >= 32_000 {
+                let warmth = 2.5e-7 * f64::from(n - 32_000);
+                let factor = 1.0 - warmth;
+                circuit.c0_f *= 1.0 + 2.0 * warmth;
+                circuit.force_factor_n_per_v *= factor;
+                circuit.lm_h /= factor * factor;
+                circuit.rm_ohm *= (1.0 + 20.0 * warmth) / (factor * factor);
+                circuit.cm_f *= factor * factor;
+            }
+            series.set(circuit.into());
+            remade += u32::from(series.since == 0);
+            exact.set(circuit.into());
+            (exact.expansion, exact.since) = (None, 0);
+        }
+        let volts = 3.0 * (0.2513 * f64::from(n)).sin();
+        for stack in [&mut series, &mut exact] {
+            stack.advance(&stack.held(volts), 0.1);
+        }
+        worst = worst.max((series.voltage() - exact.voltage()).abs()).max((series.current() - exact.current()).abs());
+    }
+    println!("series against exponentials: {worst:e} V or A of 3 V, {remade} series");
+    assert!(worst < 1e-9 && (2..100).contains(&remade), "{worst:e}, {remade}");
+}
