@@ -31,8 +31,9 @@ pub fn exponential<const M: usize>(a: &Matrix<M>) -> Matrix<M> {
 }
 
 /// Computes the exponential of a polynomial `a` in several variables as a polynomial, to
-/// round-off. The constant equals [`exponential`] of the constant of `a` bit for bit.
-pub fn exponential_series<const M: usize>(a: &[Matrix<M>], monomials: &Monomials) -> Vec<Matrix<M>> {
+/// round-off. The constant equals [`exponential`] of the constant of `a` bit for bit. Only the
+/// first `size` rows and columns of `a` are used; the others of the result are those of one.
+pub fn exponential_series<const M: usize>(a: &[Matrix<M>], size: usize, monomials: &Monomials) -> Vec<Matrix<M>> {
     let halvings = halvings(&a[0]);
     let scale = 0.5f64.powi(halvings);
     let scaled: Vec<Matrix<M>> = a.iter().map(|matrix| matrix.map(|row| row.map(|x| x * scale))).collect();
@@ -42,23 +43,27 @@ pub fn exponential_series<const M: usize>(a: &[Matrix<M>], monomials: &Monomials
     sum[0] = identity();
     let (mut term, mut next) = (sum.clone(), sum.clone());
     for k in 1..=TERMS {
-        series_product(&mut next, &term, &scaled, &with_a);
-        next.as_flattened_mut().as_flattened_mut().iter_mut().for_each(|x| *x /= f64::from(k));
-        sum.iter_mut().zip(&next).for_each(|(sum, term)| accumulate(sum, term));
+        series_product(&mut next, &term, &scaled, size, &with_a);
+        for (sum, term) in sum.iter_mut().zip(&mut next) {
+            term[..size].as_flattened_mut().iter_mut().for_each(|x| *x /= f64::from(k));
+            accumulate(&mut sum[..size], &term[..size]);
+        }
         std::mem::swap(&mut term, &mut next);
     }
     for _ in 0..halvings {
-        series_product(&mut next, &sum, &sum, all);
+        series_product(&mut next, &sum, &sum, size, all);
         std::mem::swap(&mut sum, &mut next);
     }
     sum
 }
 
-/// Multiplies two polynomials; `products` are the places of two factors and of their product.
-fn series_product<const M: usize>(to: &mut [Matrix<M>], a: &[Matrix<M>], b: &[Matrix<M>], products: &[[usize; 3]]) {
-    to.fill([[0.0; M]; M]);
+/// Multiplies two polynomials in their first `size` rows and columns; `products` are the places of
+/// two factors and of their product.
+#[inline(never)]
+fn series_product<const M: usize>(to: &mut [Matrix<M>], a: &[Matrix<M>], b: &[Matrix<M>], size: usize, products: &[[usize; 3]]) {
+    to.iter_mut().for_each(|matrix| matrix[..size].fill([0.0; M]));
     for &[first, second, place] in products {
-        add_product(&mut to[place], &a[first], &b[second]);
+        add_product(&mut to[place], &a[first], &b[second], size);
     }
 }
 
@@ -71,7 +76,7 @@ fn halvings<const M: usize>(a: &Matrix<M>) -> i32 {
     if norm > 0.125 { (norm * 8.0).log2().ceil() as i32 } else { 0 }
 }
 
-fn accumulate<const M: usize>(sum: &mut Matrix<M>, term: &Matrix<M>) {
+fn accumulate<const M: usize>(sum: &mut [[f64; M]], term: &[[f64; M]]) {
     for (row, add) in sum.iter_mut().zip(term) {
         row.iter_mut().zip(add).for_each(|(x, y)| *x += y);
     }
@@ -83,15 +88,16 @@ fn identity<const M: usize>() -> Matrix<M> {
 
 fn product<const M: usize>(a: &Matrix<M>, b: &Matrix<M>) -> Matrix<M> {
     let mut product = [[0.0; M]; M];
-    add_product(&mut product, a, b);
+    add_product(&mut product, a, b, M);
     product
 }
 
-fn add_product<const M: usize>(sum: &mut Matrix<M>, a: &Matrix<M>, b: &Matrix<M>) {
+#[inline(always)]
+fn add_product<const M: usize>(sum: &mut Matrix<M>, a: &Matrix<M>, b: &Matrix<M>, size: usize) {
     // Working row by row lets the compiler use vector registers.
-    for (row, factors) in sum.iter_mut().zip(a) {
-        for (factor, other) in factors.iter().zip(b) {
-            row.iter_mut().zip(other).for_each(|(x, y)| *x += factor * y);
+    for (row, factors) in sum[..size].iter_mut().zip(a) {
+        for (factor, other) in factors[..size].iter().zip(b) {
+            row[..size].iter_mut().zip(other).for_each(|(x, y)| *x += factor * y);
         }
     }
 }
@@ -118,7 +124,7 @@ mod tests {
         for (exponents, by) in [([0, 0], angle), ([1, 0], slope), ([0, 1], 1.0)] {
             a[monomials.place(&exponents).unwrap()] = matrix(by);
         }
-        let series = exponential_series(&a, &monomials);
+        let series = exponential_series(&a, 2, &monomials);
         let derivatives = [angle.cos(), -angle.sin(), -angle.cos(), angle.sin(), angle.cos()];
         let factorial = |n: u32| f64::from((1..=n).product::<u32>());
         for (matrix, exponents) in series.iter().zip(monomials.exponents()) {

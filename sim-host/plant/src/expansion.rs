@@ -43,6 +43,8 @@ pub struct Expansion {
     numbers: Vec<[f64; CHUNK]>,
 }
 
+/// Size of the network with four further modes; that of one with fewer ends earlier.
+const MOST: usize = FURTHER + 8;
 /// Numbers that are evaluated together.
 const CHUNK: usize = 8;
 
@@ -57,23 +59,14 @@ fn monomials(changes: usize) -> (u32, &'static Monomials) {
 impl Expansion {
     /// Creates the series of the flow of `parts` in `changes`, none or some, and the flow itself.
     pub fn new(parts: &Parts, changes: &[Change], amplifier: &Amplifier, layout: &Layout) -> (Self, StepFlow) {
-        match parts.further.len() {
-            0 => Self::with_size::<FURTHER>(parts, changes, amplifier, layout),
-            1 => Self::with_size::<{ FURTHER + 2 }>(parts, changes, amplifier, layout),
-            2 => Self::with_size::<{ FURTHER + 4 }>(parts, changes, amplifier, layout),
-            3 => Self::with_size::<{ FURTHER + 6 }>(parts, changes, amplifier, layout),
-            _ => Self::with_size::<{ FURTHER + 8 }>(parts, changes, amplifier, layout),
-        }
-    }
-
-    fn with_size<const N: usize>(parts: &Parts, changes: &[Change], amplifier: &Amplifier, layout: &Layout) -> (Self, StepFlow) {
         let (degree, monomials) = monomials(changes.len());
-        let network: Vec<Matrix<N>> = polynomial(&network(parts, amplifier), changes, monomials);
-        let mut known: Vec<(f64, Vec<Matrix<N>>)> = Vec::new();
+        let network = polynomial(&network(parts, amplifier), changes, monomials);
+        let size = FURTHER + 2 * parts.further.len();
+        let mut known: Vec<(f64, Vec<Matrix<MOST>>)> = Vec::new();
         let mut over = |seconds: f64, place: usize| {
             let at = known.iter().position(|(time, _)| *time == seconds).unwrap_or_else(|| {
                 let network: Vec<_> = network.iter().map(|matrix| matrix.map(|row| row.map(|x| x * seconds))).collect();
-                known.push((seconds, exponential_series(&network, monomials)));
+                known.push((seconds, exponential_series(&network, size, monomials)));
                 known.len() - 1
             });
             known[at].1[place]
@@ -82,7 +75,7 @@ impl Expansion {
         let mut flows: Vec<_> = (0..used).map(|place| StepFlow::new(layout, &mut |seconds| over(seconds, place))).collect();
         let mut per_range = vec![0.0; changes.len()];
         for (place, exponents) in monomials.exponents().iter().enumerate().skip(used) {
-            let most = known.iter().map(|(_, series)| size(&series[place], parts)).fold(0.0, f64::max);
+            let most = known.iter().map(|(_, series)| largest(&series[place], parts)).fold(0.0, f64::max);
             let per = (most / MAX_NEGLECTED_TERM).powf(1.0 / f64::from(degree + 1)).max(1.0 / MAX_RANGE_REL);
             per_range.iter_mut().zip(exponents).filter(|(_, exponent)| **exponent > 0).for_each(|(to, _)| *to = per);
         }
@@ -152,8 +145,8 @@ impl Expansion {
 }
 
 /// Returns a network as a polynomial: each entry that changes is a product of `1 + s`.
-fn polynomial<const N: usize>(still: &Matrix<N>, changes: &[Change], monomials: &Monomials) -> Vec<Matrix<N>> {
-    let mut polynomial = vec![[[0.0; N]; N]; monomials.exponents().len()];
+fn polynomial(still: &Matrix<MOST>, changes: &[Change], monomials: &Monomials) -> Vec<Matrix<MOST>> {
+    let mut polynomial = vec![[[0.0; MOST]; MOST]; monomials.exponents().len()];
     polynomial[0] = *still;
     let mut entry = |row: usize, column: usize, factors: &[Change]| {
         let places: Vec<usize> = factors.iter().filter_map(|of| changes.iter().position(|change| change == of)).collect();
@@ -166,11 +159,11 @@ fn polynomial<const N: usize>(still: &Matrix<N>, changes: &[Change], monomials: 
             }
         }
     };
-    (0..N).for_each(|column| entry(V0, column, &[Change::Clamped]));
+    (0..MOST).for_each(|column| entry(V0, column, &[Change::Clamped]));
     [V0, VC, FORCE].into_iter().for_each(|column| entry(I, column, &[Change::Inductance]));
     entry(VC, I, &[Change::Resonance; 2]);
     entry(I, I, &[Change::Resonance, Change::Damping]);
-    for (k, i) in (FURTHER..N).step_by(2).enumerate() {
+    for (k, i) in (FURTHER..MOST).step_by(2).enumerate() {
         entry(i + 1, i, &[Change::Further(k); 2]);
         entry(i, i, &[Change::Further(k)]);
     }
@@ -179,7 +172,7 @@ fn polynomial<const N: usize>(still: &Matrix<N>, changes: &[Change], monomials: 
 
 /// Returns the largest entry of a matrix that maps states to states, with every state expressed as
 /// a voltage: currents times the reactance of their branch, forces over the force factor.
-fn size<const N: usize>(matrix: &Matrix<N>, parts: &Parts) -> f64 {
+fn largest(matrix: &Matrix<MOST>, parts: &Parts) -> f64 {
     let circuit = &parts.circuit;
     let volts = |index: usize| match index {
         I => (circuit.lm_h / circuit.cm_f).sqrt(),
@@ -190,7 +183,8 @@ fn size<const N: usize>(matrix: &Matrix<N>, parts: &Parts) -> f64 {
         }
         _ => 1.0,
     };
-    let entries = (0..N).flat_map(|row| (0..N).map(move |column| (row, column)));
+    let size = FURTHER + 2 * parts.further.len();
+    let entries = (0..size).flat_map(|row| (0..size).map(move |column| (row, column)));
     entries
         .filter(|(row, _)| ![DRIVE, FORCE].contains(row))
         .map(|(row, column)| matrix[row][column].abs() * volts(row) / volts(column))

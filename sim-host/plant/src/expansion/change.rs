@@ -5,7 +5,7 @@ use crate::parts::Parts;
 /// Relative change of the damping that counts as none (round-off).
 const ROUND_OFF_REL: f64 = 1e-9;
 
-/// What can change; `s` is its change relative to the centre of the series.
+/// A change that a series follows; `s` is its size, relative to the centre of the series.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Change {
     /// The clamped capacitance: `1/C0` with `1 + s`.
