@@ -30,6 +30,8 @@ pub struct Bounds {
     pub first_v: f64,
     /// Smallest level, V.
     pub min_v: f64,
+    /// Duration of a sample, s.
+    pub sample_s: f64,
 }
 
 impl Bounds {
@@ -45,7 +47,8 @@ impl Bounds {
         let code_v = scale.volt_per_lsb.max(scale.drive_volt_per_lsb);
         let min_v = (MIN_LEVEL_CODES * code_v).min(volts);
         let first_v = (FIRST_LEVEL_REL * volts).max(FIRST_LEVEL_CODES * code_v).min(volts);
-        Bounds { volts, given_v, given_a, amperes: CURRENT_LIMIT_REL * given_a, first_v, min_v }
+        let (amperes, sample_s) = (CURRENT_LIMIT_REL * given_a, 1.0 / scale.sample_hz);
+        Bounds { volts, given_v, given_a, amperes, first_v, min_v, sample_s }
     }
 
     /// Returns the limits as settings of the board. Schedules that change the drive by themselves

@@ -20,6 +20,9 @@ use crate::words;
 
 /// Smaller amplitude of the step, relative to the larger one.
 const STEP_REL: f64 = 0.7;
+/// Smallest and largest number of steps in which the amplitude changes.
+const MIN_STEPS: f64 = 2.0;
+const MAX_STEPS: f64 = 50.0;
 /// Settling time of a lock, relative to that of a fixed frequency: the observer follows the
 /// ring-up.
 const SETTLE_REL: f64 = 0.5;
@@ -80,13 +83,13 @@ pub fn verify(
     settings.retain(|(name, _)| *name != "limits.current_a");
     settings.push(("limits.current_a", bounds.amperes as f32));
     board.apply(&settings, session)?;
-    let tried = run_test(proposal, session);
+    let tried = run_test(proposal, bounds, session);
     probe::quiet(session)?;
     session.client.order(Command::Gate(Gate::Scheduled))?;
     tried
 }
 
-fn run_test(proposal: &Proposal, session: &mut Session) -> Result<Result<Verified, TestFailure>, LinkError> {
+fn run_test(proposal: &Proposal, bounds: &Bounds, session: &mut Session) -> Result<Result<Verified, TestFailure>, LinkError> {
     let it = &proposal.transducer;
     let hz = f64::from(it.series_resonance_hz);
     let settle_s = (SETTLE_REL * settle_s(it)).max(MIN_SETTLE_S);
@@ -104,8 +107,11 @@ fn run_test(proposal: &Proposal, session: &mut Session) -> Result<Result<Verifie
     let mut seen = [0.0; 3];
     let mut before = 1.0;
     for ((what, part), seen) in levels.into_iter().zip(&mut seen) {
-        // In two steps, because a clamped capacitance draws a current peak with each.
-        for part in [0.5 * (before + part), part] {
+        // Each step charges the clamped capacitance, within a sample in the worst case.
+        let peak_a = f64::from(it.c0_f) * (part - before).abs() * proposal.volts / bounds.sample_s;
+        let steps = (peak_a / (bounds.amperes - proposal.amperes)).ceil().clamp(MIN_STEPS, MAX_STEPS) as u32;
+        for step in 1..=steps {
+            let part = before + (part - before) * f64::from(step) / f64::from(steps);
             session.client.order(Command::Amplitude(Some(Amplitude::Volts((part * proposal.volts) as f32))))?;
         }
         before = part;
