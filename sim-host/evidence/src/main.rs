@@ -43,7 +43,7 @@ struct Arguments {
     count: Option<u32>,
     /// Run one input alone, with the seed from a failure message (`fuzz`, `soak`), or another set
     /// of contacts (`contacts`), or the wider set from this number on (`transducers`,
-    /// `commission`).
+    /// `commission`), or the set from this number on (`drift`).
     #[arg(long, value_name = "SEED")]
     seed: Option<u64>,
     /// List the benches, or the command of each case of a suite, and run nothing.
@@ -95,12 +95,10 @@ fn main() -> anyhow::Result<ExitCode> {
     if let Some(setting) = &arguments.alone {
         return alone(setting);
     }
-    let of_a_set = ["contacts", "transducers", "commission"];
+    let of_a_set = ["contacts", "transducers", "commission", "drift"];
     let is_alone = !matches!(&arguments.names[..], [name] if of_a_set.contains(&name.as_str()));
     if arguments.seed.is_some() && arguments.count.is_some() && is_alone {
-        eprintln!(
-            "error: --seed runs one input alone, without --count; only `contacts`, `transducers` and `commission` take both"
-        );
+        eprintln!("error: --seed runs one input alone, without --count; only `{}` take both", of_a_set.join("`, `"));
         return Ok(ExitCode::from(USAGE));
     }
     match arguments.names.iter().map(String::as_str).collect::<Vec<_>>()[..] {
