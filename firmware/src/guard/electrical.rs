@@ -17,9 +17,8 @@ const OVER_CURRENT_SAMPLES: usize = 2;
 /// Number of consecutive judged blocks with an implausible voltage or current that raise a fault.
 const IMPLAUSIBLE_BLOCKS: u32 = 8;
 /// Largest ratio between the measured voltage and the fundamental played, in either direction:
-/// harmonics leak into the lock-in. More is accepted if the current explains it through a source of
-/// `LARGEST_OHM`: a load of less resistance takes most of the voltage, and after a step down the
-/// ringing of a stack adds to it.
+/// harmonics leak into the lock-in. A lower voltage is accepted if the current explains it through
+/// a source of `LARGEST_OHM`: a load of less resistance takes most of the voltage.
 const VOLTAGE_FACTOR: f32 = 2.0;
 /// Square of [`VOLTAGE_FACTOR`].
 const SQUARE_FACTOR: f32 = VOLTAGE_FACTOR * VOLTAGE_FACTOR;
@@ -82,8 +81,8 @@ impl Electrical {
         if let Some(volts) = volts.filter(|&volts| self.is_judged(volts)) {
             // Squares are compared, because a square root takes as long as a period of the lock-in.
             let (played, voltage, current) = (volts * volts, sensed.v.norm_sqr(), sensed.i.norm_sqr());
-            let differs = voltage > SQUARE_FACTOR * played || SQUARE_FACTOR * voltage < played;
-            let wrong_voltage = differs && !is_explained_by_source(volts, voltage, current);
+            let low = SQUARE_FACTOR * voltage < played && !is_explained_by_source(volts, voltage, current);
+            let wrong_voltage = voltage > SQUARE_FACTOR * played || low;
             // A constant code has a fundamental too, unless the block is a whole number of periods.
             let no_current = current < self.least_siemens_squared * played || is_constant(&sense.i);
             let count = |counter: u32, wrong: bool| if wrong { counter.saturating_add(1) } else { 0 };
@@ -150,11 +149,13 @@ fn tripped_by(sense: &SenseBlock) -> Fault {
     }
 }
 
-/// Returns `true` if the current explains a voltage that is too low or too high. `played` is the
-/// fundamental played, V; `voltage` and `current` are squares of the measured amplitudes.
+/// Returns `true` if the current explains a voltage that is too low. `played` is the fundamental
+/// played, V; `voltage` and `current` are squares of the measured amplitudes.
+#[cold]
+#[inline(never)]
 fn is_explained_by_source(played: f32, voltage: f32, current: f32) -> bool {
-    let (voltage, drop) = (fpu::sqrtf(voltage), LARGEST_OHM * fpu::sqrtf(current));
-    VOLTAGE_FACTOR * voltage >= played - drop && voltage <= VOLTAGE_FACTOR * played + drop
+    let expected = played - LARGEST_OHM * fpu::sqrtf(current);
+    expected <= 0.0 || SQUARE_FACTOR * voltage >= expected * expected
 }
 
 /// Returns `true` if all codes are equal.

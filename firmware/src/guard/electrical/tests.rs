@@ -112,12 +112,12 @@ fn a_small_drive_has_the_same_voltage_factor() {
 }
 
 #[test]
-fn a_current_explains_a_voltage() {
+fn a_current_explains_a_low_voltage() {
     // Half an ohm takes 2 V at 4 A; half of the remaining 1 V is accepted. From 6 A all 3 V may
-    // drop. A current that returns adds to twice the 3 V.
-    let low = [(0.51, 4.0, true), (0.49, 4.0, false), (0.05, 5.5, false), (0.0, 6.0, true), (0.0, 7.0, true)];
-    let high = [(7.99, 4.0, true), (8.01, 4.0, false), (9.1, 6.0, false)];
-    for (volts, amperes, plausible) in low.into_iter().chain(high) {
+    // drop.
+    for (volts, amperes, plausible) in
+        [(0.51, 4.0, true), (0.49, 4.0, false), (0.05, 5.5, false), (0.0, 6.0, true), (0.0, 7.0, true)]
+    {
         assert_eq!(Rig::found_of(volts, amperes).is_none(), plausible, "{volts} V, {amperes} A");
     }
 }
