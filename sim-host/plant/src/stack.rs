@@ -53,7 +53,7 @@ pub struct Stack {
     expansion: Option<Box<Expansion>>,
     /// Number of changes since a series was computed.
     since: usize,
-    /// What changed last.
+    /// Changes when the flow was last computed anew.
     moved: Option<Vec<Change>>,
 }
 

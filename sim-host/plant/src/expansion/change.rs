@@ -46,7 +46,7 @@ impl Change {
         changes[..4].copy_from_slice(&[a.c0_f / b.c0_f - 1.0, a.lm_h / b.lm_h - 1.0, resonance, damping]);
         for ((s, a), b) in changes[4..].iter_mut().zip(&from.further).zip(&to.further) {
             let [resonance, damping] = moved([a.cm_f, a.rm_ohm / a.lm_h], [b.cm_f, b.rm_ohm / b.lm_h]);
-            if a.lm_h != b.lm_h || damping.abs() > ROUND_OFF_REL {
+            if a.lm_h != b.lm_h || damping.is_nan() || damping.abs() > ROUND_OFF_REL {
                 return None;
             }
             *s = resonance;
@@ -56,7 +56,7 @@ impl Change {
 
     /// Returns `true` if `s` is more than round-off.
     pub fn is_more_than_round_off(self, s: f64) -> bool {
-        s != 0.0 && (self != Change::Damping || s.abs() > ROUND_OFF_REL)
+        s != 0.0 && (self != Change::Damping || s.is_nan() || s.abs() > ROUND_OFF_REL)
     }
 
     /// Returns what changes from one network to another; `None` if anything without a series does.

@@ -109,7 +109,8 @@ fn run_test(proposal: &Proposal, bounds: &Bounds, session: &mut Session) -> Resu
     for ((what, part), seen) in levels.into_iter().zip(&mut seen) {
         // Each step charges the clamped capacitance, within a sample in the worst case.
         let peak_a = f64::from(it.c0_f) * (part - before).abs() * proposal.volts / bounds.sample_s;
-        let steps = (peak_a / (bounds.amperes - proposal.amperes)).ceil().clamp(MIN_STEPS, MAX_STEPS) as u32;
+        let steps = peak_a / (bounds.amperes - proposal.amperes).max(f64::MIN_POSITIVE);
+        let steps = if steps < MAX_STEPS { steps.ceil().max(MIN_STEPS) } else { MAX_STEPS } as u32;
         for step in 1..=steps {
             let part = before + (part - before) * f64::from(step) / f64::from(steps);
             session.client.order(Command::Amplitude(Some(Amplitude::Volts((part * proposal.volts) as f32))))?;
