@@ -130,8 +130,8 @@ mod tests {
         for (matrix, exponents) in series.iter().zip(monomials.exponents()) {
             let (n, m) = (exponents[0], exponents[1]);
             let expected = derivatives[(n + m) as usize] * slope.powi(n as i32) / (factorial(n) * factorial(m));
-            // Four squarings double a round-off of 1e-16 each, for every factor of two.
-            assert!((matrix[0][0] - expected).abs() < 5e-15, "{exponents:?}: {matrix:?}");
+            // Measured 2e-15: four squarings multiply a round-off of 1e-16 by up to 16.
+            assert!((matrix[0][0] - expected).abs() < 3e-15, "{exponents:?}: {matrix:?}");
         }
         assert_eq!(series.len(), 10 + 2);
         assert_eq!(series[0], exponential(&matrix(angle)));

@@ -131,10 +131,9 @@ impl Stack {
             return;
         }
         let last = std::mem::replace(&mut self.moved, Change::kinds(old, &self.parts));
-        let pays = |changes: &&Vec<Change>| self.moved == last && self.since >= Expansion::cost(changes.len());
-        let changes = self.moved.as_ref().filter(pays);
-        let none = Vec::new();
-        let (expansion, flow) = Expansion::new(&self.parts, changes.unwrap_or(&none), &self.amplifier, &self.layout);
+        let pays = |changes: &&[Change]| self.moved == last && self.since >= Expansion::cost(changes.len());
+        let changes = self.moved.as_deref().filter(pays);
+        let (expansion, flow) = Expansion::new(&self.parts, changes.unwrap_or_default(), &self.amplifier, &self.layout);
         self.since = if changes.is_some() { 0 } else { self.since };
         self.expansion = changes.map(|_| Box::new(expansion));
         self.flow = flow;

@@ -210,5 +210,6 @@ fn the_series_gives_the_same_run() {
         worst = worst.max((series.voltage() - exact.voltage()).abs()).max((series.current() - exact.current()).abs());
     }
     println!("series against exponentials: {worst:e} V or A of 3 V, {remade} series");
-    assert!(worst < 1e-9 && (2..100).contains(&remade), "{worst:e}, {remade}");
+    // Measured 2.4e-11 and 12.
+    assert!(worst < 5e-11 && (2..20).contains(&remade), "{worst:e}, {remade}");
 }
