@@ -35,7 +35,8 @@ use crate::random::Random;
 
 /// Numbers of transducers and duration of each, s, full and quick.
 const RUNS: [(u32, f64); 2] = [(12, 100.0), (12, 3.0)];
-/// One transducer of this number also runs for this time, s, except in the quick variant.
+/// Number of transducers of which one also runs longer, and its duration, s; not in the quick
+/// variant.
 const LONG: (u32, f64) = (16, 1000.0);
 /// Seed of the changes of the first transducer.
 const SEED: u64 = 1 << 33;
